@@ -4,8 +4,7 @@
 
 // Names without definitions, for headers that only pass references on.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 struct shape;
 struct extent2d;
@@ -21,5 +20,4 @@ class trainer;
 template <class Network, class Format>
 class deployed;
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -17,8 +17,7 @@
 
 // Inference of many frames on all threads of a pool. The bits are those of each frame alone.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A grow-only buffer for calls with many frames. Keep it from call to call, of any network, so that only the
 /// first call allocates. It serves one call at a time.
@@ -123,5 +122,4 @@ struct batch_inference {
 };
 
 } // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -26,8 +26,7 @@
 
 // The part of deployment that works without files, exceptions and run-time type information.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Reads a frame [channel][row][column] into the map of the first step, pixel by pixel without gaps, as
 /// (count − mean) × scale. Its folded numbers, in every format: the mean frame, the scale, the largest
@@ -242,5 +241,4 @@ private:
     std::size_t classes_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

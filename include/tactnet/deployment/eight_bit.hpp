@@ -14,8 +14,7 @@
 // a network from a trained one, include tactnet/quantisation.hpp. Here is the layout of the folded numbers of
 // a network's type, from the descriptions of its steps.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -83,5 +82,4 @@ struct folded_check<eight_bit> {
 };
 
 } // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

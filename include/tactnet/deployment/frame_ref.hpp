@@ -11,8 +11,7 @@
 
 // What a deployed network takes and what it reports: frames that someone else owns, and the status of a call.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The result of a call. Check it: the outputs of a broken frame look like any others.
 enum class [[nodiscard]] frame_status{
@@ -169,5 +168,4 @@ private:
     std::size_t elements_ = 0, distance_ = Shape.size();
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -8,8 +8,7 @@
 #include <optional>
 #include <span>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The mean of the outputs of a deployed network for a frame and its three reflections: more accurate if a
 /// touch may come either way round, in four times the time. Train on reflected images, as by default.
@@ -66,5 +65,4 @@ private:
     View network_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -11,8 +11,7 @@
 // The errors for calls that a deployed network does not take: one sentence with what was expected and found,
 // in place of a list of all overloads.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 class thread_pool;
 
@@ -181,5 +180,4 @@ public:
 
 } // namespace detail
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

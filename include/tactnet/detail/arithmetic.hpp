@@ -7,8 +7,7 @@
 
 // Sizes divided into blocks, among threads and into cache lines, and bits read as another type.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// One thread's share of work. Shares are as equal as possible and depend on the counts alone.
 struct work_share {
@@ -58,5 +57,4 @@ using tactnet::detail::ceil_div;
 using tactnet::detail::round_up;
 
 } // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

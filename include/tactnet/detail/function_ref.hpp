@@ -6,9 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 template <class Signature>
 class function_ref;
@@ -38,6 +36,4 @@ private:
     Result (*call_)(void*, Arguments...);
 };
 
-} // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::detail

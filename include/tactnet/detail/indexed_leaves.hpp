@@ -5,9 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 template <std::size_t I, class T>
 struct leaf {
@@ -35,6 +33,4 @@ template <std::size_t I, class T>
 template <std::size_t I, class T>
 T type_at(const leaf<I, T>&);
 
-} // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::detail

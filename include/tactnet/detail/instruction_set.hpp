@@ -4,8 +4,7 @@
 
 #include <string_view>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 #define TACTNET_ARCH_TEXT_OF(number) #number
 #define TACTNET_ARCH_TEXT(number) TACTNET_ARCH_TEXT_OF(number)
@@ -64,5 +63,4 @@ inline constexpr std::string_view instruction_set =
 #undef TACTNET_ARCH_TEXT
 #undef TACTNET_ARCH_TEXT_OF
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

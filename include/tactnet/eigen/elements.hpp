@@ -19,8 +19,7 @@
 //     Eigen::Vector<float, 22> logits;
 //     network.infer(frame, view_elements(logits));
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 template <std::size_t Found, std::size_t Expected>
 concept has_elements = (Found == Expected);
@@ -134,5 +133,4 @@ template <class T>
         values.data(), static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

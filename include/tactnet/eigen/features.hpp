@@ -13,8 +13,7 @@
 
 // Feature rows for support vector machines: a row-major float matrix of samples × features.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 template <std::size_t Found, std::size_t Expected>
 concept has_columns = (Found == Expected);
@@ -60,5 +59,4 @@ template <std::size_t Features>
                                     static_cast<Eigen::Index>(rows.features()));
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -28,8 +28,7 @@
 //     Eigen::Matrix<float, -1, -1, Eigen::RowMajor> cells(28, 50);
 //     network.infer(view_frame<shape{28, 50}>(cells), logits);   // compared when called
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The type of a matrix whose memory is a frame of a shape.
 template <class T, shape Shape>
@@ -210,5 +209,4 @@ template <eigen_dense M>
             cells};
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

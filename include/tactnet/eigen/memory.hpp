@@ -12,8 +12,7 @@
 // Eigen's matrices are column-major by default, and their blocks have gaps. Strides that the type determines
 // are checked when compiling, the others at run time.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A row-major Eigen matrix of Rows × Columns. Either may be Eigen::Dynamic.
 template <class T, int Rows, int Columns>
@@ -101,5 +100,4 @@ inline constexpr int eigen_size = Count == static_cast<std::size_t>(-1) ? Eigen:
 
 } // namespace detail
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -15,8 +15,7 @@
 // keypoints", 2004): each descriptor is assigned to the nearest word, and an image is the histogram of its
 // words.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// How counts of words are scaled to features of unit length.
 enum class histogram_form {
@@ -87,5 +86,4 @@ private:
     histogram_form form_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

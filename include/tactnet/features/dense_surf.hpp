@@ -28,8 +28,7 @@
 // The grid is dense, since the interest points that SURF detects on photographs are too few on an image of
 // some 50 tactels.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Values per SURF descriptor, in the order [row of subregions][column of subregions][dx, |dx|, dy, |dy|].
 inline constexpr std::size_t surf_values = 64;
@@ -242,5 +241,4 @@ private:
     std::size_t count_ = 0;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

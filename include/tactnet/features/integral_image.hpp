@@ -15,8 +15,7 @@
 // boosted cascade of simple features", 2001; Crow's summed-area table, 1984), and Haar wavelets, which are
 // such sums.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The type of sums of pixels: exact for integers of 8 or 16 bits, double for all others.
 template <class Pixel>
@@ -126,5 +125,4 @@ template <std::size_t Scale, class Pixel, shape Shape, std::size_t Border>
     return response;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

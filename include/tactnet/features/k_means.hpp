@@ -21,8 +21,7 @@
 // k-means clustering: Lloyd's algorithm ("Least squares quantization in PCM", 1982) with k-means++ seeds
 // (Arthur and Vassilvitskii, 2007).
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace random_purposes {
 inline constexpr random_purpose clusters{5}; ///< seeds of clusters
@@ -235,5 +234,4 @@ template <std::size_t Values>
     return k_means_from<Values>(points, k_means_seeds<Values>(points, settings, threads), settings, threads);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

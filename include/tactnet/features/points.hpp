@@ -16,9 +16,7 @@
 // Points of some numbers each, one after the other: whether they can be compared, and which of them is
 // nearest.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 /// Checks that `points` holds one or more points of `values` numbers whose squared distances stay finite in
 /// single precision. If not, throws std::invalid_argument, which begins with the name of the caller and names
@@ -98,6 +96,4 @@ private:
     kernels::nearest_row<Values> search_;
 };
 
-} // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::detail

@@ -17,8 +17,7 @@
 // Histograms of SURF words of pressure images, the features of the paper's baseline: a 3 × 3 grid step,
 // k-means, 500 words, and a linear support vector machine.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Settings that the paper leaves open. Words, step and scales are template arguments: 500, 3 × 3 tactels, 1
 /// and 2. Chosen by the mean accuracy on the validation images of 20 random splits, 28 × 50 tactels: 91 %.
@@ -133,5 +132,4 @@ surf_histograms(std::span<const typename Surf::pixel_type> images, std::span<con
     return histograms;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -9,8 +9,7 @@
 // Random augmentation of pressure images: ranges, a random motion from them, and its affine transform, which
 // transform.hpp applies.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace random_purposes {
 inline constexpr random_purpose augmentation{2}; ///< augmentation of one image in one epoch
@@ -125,5 +124,4 @@ private:
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -13,8 +13,7 @@
 
 // Resize between sizes known only at run time, such as those of image files, in double precision.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The taps of all outputs of a size known at run time, in double precision.
 template <class Kernel>
@@ -88,5 +87,4 @@ template <class Kernel = keys_cubic<>>
     return {exact.begin(), exact.end()};
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

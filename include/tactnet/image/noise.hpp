@@ -7,8 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace random_purposes {
 inline constexpr random_purpose noise{6}; ///< noise of one image in one epoch
@@ -37,5 +36,4 @@ void add_noise(const pressure_noise& noise, const random_stream& random, tensor_
     });
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -12,8 +12,7 @@
 // Resize between sizes known at compile time, with constant weights and without heap. For sizes known only at
 // run time, see dynamic_resize.hpp.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -123,5 +122,4 @@ void resize(const Count& from, tensor_view<std::uint8_t, To> to) {
         to.data()[e] = to_count(exact.data()[e]);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -11,8 +11,7 @@
 // halves: output o of `to` lies at the input coordinate (o + ½) · from / to − ½. An input with a weight of
 // zero is no tap: if it is NaN, the output is not.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The pixels beyond the border of an image.
 enum class resize_border {
@@ -197,5 +196,4 @@ public:
     }();
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

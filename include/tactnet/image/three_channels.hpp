@@ -13,8 +13,7 @@
 // Converts a grey image to the three normalised channels that networks trained on photographs take (the
 // paper's equation 4).
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// (value − mean) × scale, channel by channel.
 struct channel_normalisation {
@@ -85,5 +84,4 @@ void to_three_channels(tensor_view<const float, Grey> grey, const channel_normal
                 (grey.data()[e] - normalise.mean[channel]) * normalise.scale[channel];
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -12,8 +12,7 @@
 
 // Affine transforms of images in one pass.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// How values between tactels are interpolated.
 enum class interpolation_mode {
@@ -108,5 +107,4 @@ void transform_image(const image_transform& t, tensor_view<const float, Shape> f
     detail::transform_image<Shape, Interpolation, Border>(t, from.data(), to.data());
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

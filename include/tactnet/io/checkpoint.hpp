@@ -24,8 +24,7 @@
 // (network, recipe, seed, data, …) as text: resuming with others would give a network that no settings
 // describe, so it is an error that names the difference.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A view of one named array of a trainer, without the trainer's type: of floats or of doubles.
 struct state_array {
@@ -152,5 +151,4 @@ checksum_state load_checkpoint(const std::filesystem::path& path, Trainer& train
         [&](std::span<const double> numbers) { trainer.restore(numbers); }, settings);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -16,8 +16,7 @@
 
 // Deployed networks in single precision, from the file of a model; eight_bit_file.hpp has those in 8 bits.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -68,5 +67,4 @@ template <class Network>
     return load_deployed<Network>(safetensors::read(path), epsilon);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

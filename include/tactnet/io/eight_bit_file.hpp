@@ -14,8 +14,7 @@
 
 // Deployed networks in 8 bits, from and to files of their own, which stored_deployed.hpp describes.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Loads a network in 8 bits from a file that `save_deployed` wrote:
 ///
@@ -59,5 +58,4 @@ template <class Network>
     writer.write(path);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

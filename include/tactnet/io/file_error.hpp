@@ -11,8 +11,7 @@
 // One exception for everything that can be wrong with a user's file. Its reader must be able to act on it, so
 // it always states which file, where in it, what was expected and what was found.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// "file: place: expected …, found …", the sentence of every error about a file. An empty file or place is
 /// left out.
@@ -63,5 +62,4 @@ throw_file_error(std::string_view file, text_parts place, text_parts expected, t
 
 } // namespace detail
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

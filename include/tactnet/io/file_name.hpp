@@ -12,8 +12,7 @@
 #include <filesystem>
 #endif
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 #if defined(TACTNET_POSIX_FILES)
 
@@ -45,5 +44,4 @@ using file_name = std::filesystem::path;
 
 #endif
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

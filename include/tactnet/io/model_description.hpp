@@ -19,8 +19,7 @@
 
 // The metadata of a weight file: which network it is for, and how its inputs are meant.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// What a weight file states about itself. What it does not state is empty.
 struct model_description {
@@ -138,5 +137,4 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
         metadata["bits"] = std::to_string(*d.bits);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

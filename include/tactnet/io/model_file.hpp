@@ -29,8 +29,7 @@
 // What does not depend on the network's type works on stored_model: programs of many networks
 // may call it in one place.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A model as read from a file, without the network's type.
 struct stored_model {
@@ -188,5 +187,4 @@ template <class Network>
     return load_model<Network>(safetensors::read(path), epsilon);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -11,8 +11,7 @@
 // any type that describes its arrays as tactnet::basic_network does; all that does not need its type compiles
 // once per unit.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -55,5 +54,4 @@ void load_parameters(Network& network, const safetensors& file, std::size_t clas
     detail::set_parameters(network, detail::read_arrays(file, stored_arrays_of<Network>(), classes));
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

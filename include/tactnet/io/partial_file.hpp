@@ -24,8 +24,7 @@
 #include <unistd.h>
 #endif
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -114,5 +113,4 @@ remove_abandoned_files([[maybe_unused]] const std::filesystem::path& folder) {
     return removed;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

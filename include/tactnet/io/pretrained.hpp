@@ -14,8 +14,7 @@
 
 // Pretrained weights, for networks of up to hundreds of megabytes.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The arrays by their names in a file that puts a prefix before them.
 [[nodiscard]] [[gnu::cold]] inline stored_arrays with_prefix(stored_arrays arrays, std::string_view prefix) {
@@ -76,5 +75,4 @@ void load_pretrained(Network& network, const std::filesystem::path& path,
     load_pretrained(network, file, unread);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

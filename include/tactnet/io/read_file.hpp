@@ -15,8 +15,7 @@
 #include <system_error>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The most bytes that `read_file` reads by default: 2 GiB less one.
 inline constexpr std::size_t default_file_limit = 0x7fff'ffff;
@@ -135,5 +134,4 @@ struct file_status {
     }
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -19,8 +19,7 @@
 // Tensors by name, in the file format in which machine-learning programs exchange weights. This header reads
 // whole files; safetensors/writer.hpp writes them, and safetensors/source.hpp reads large ones in parts.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The content of a safetensors file, checked as a whole when it is made. Owns the bytes.
 class safetensors : public safetensors_index {
@@ -63,5 +62,4 @@ private:
     std::vector<std::byte> bytes_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -14,8 +14,7 @@
 // Writes trained networks to the files that model_file.hpp reads. A header of its own, so that programs that
 // only read files do not compile the writer.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A view of a model to be written, without the network's type.
 struct model_parts {
@@ -124,5 +123,4 @@ template <class Network>
                [&](std::span<const std::uint8_t> images) { return detail::class_logits(m, images); });
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

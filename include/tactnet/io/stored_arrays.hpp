@@ -17,8 +17,7 @@
 // The names and extents of a network's arrays in weight files, and whether a file has these arrays. Only
 // `stored_arrays_of` is a template on the network; all else compiles once per unit.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The arrays of a network in weight files, without its type.
 struct stored_arrays {
@@ -186,5 +185,4 @@ private:
     return extents[0];
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

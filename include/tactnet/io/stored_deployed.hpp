@@ -25,8 +25,7 @@
 // This header needs no network type, only the layout of the folded numbers: programs of many networks may
 // call it in one place. eight_bit_file.hpp has the files of a network type.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A network in 8 bits as read from a file, without its type.
 struct stored_deployed {
@@ -170,5 +169,4 @@ for_each_folded(const folded_layout& layout, const stored_arrays& arrays,
     detail::add_selftest(writer, layout.input, classes.size(), selftest, logits);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

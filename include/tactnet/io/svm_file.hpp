@@ -26,8 +26,7 @@
 // Trained support vector machines as files: arrays by name, and their kind in the metadata. A saved and
 // loaded machine is bit-identical. Not part of io.hpp: programs that use only networks do not include it.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -230,5 +229,4 @@ template <std::size_t Features = dynamic_features>
     return load_linear_machine<Features>(safetensors::read(path));
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -24,8 +24,7 @@
 #include <unistd.h>
 #endif
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Takes the bytes of a file, one piece after the other.
 using piece_taker = detail::function_ref<void(std::span<const std::byte>)>;
@@ -160,5 +159,4 @@ inline void write_file(const std::filesystem::path& path, std::string_view text)
     write_file(path, std::as_bytes(std::span(text.data(), text.size())));
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -16,9 +16,7 @@
 #error "tactnet: define TACTNET_L1_CACHE_KIB and TACTNET_L2_CACHE_KIB before the first header of the library"
 #endif
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Bytes of the first level, for data.
 #if defined(TACTNET_L1_CACHE_BY_DEFAULT)
@@ -43,6 +41,4 @@ inline constexpr std::size_t l1_map_bytes = l1_cache_bytes / 4 * 3;
 /// second level.
 inline constexpr std::size_t l2_weight_bytes = l2_cache_bytes / 8;
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

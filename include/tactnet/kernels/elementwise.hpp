@@ -6,9 +6,7 @@
 
 // Elementwise operations on `count` values, a multiple of the lanes. Outputs may be the inputs' memory.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// output = max(input, 0); NaN stays NaN.
 template <class T>
@@ -58,6 +56,4 @@ void add(const T* a, const T* b, T* sum, std::size_t count) {
         store(sum + i, load(a + i) + load(b + i));
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -13,9 +13,7 @@
 // register blocks. Each method of computing it (frame/direct.hpp, …) is a template on this
 // description; frame/methods.hpp chooses one.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// A convolution and its epilogue: a sum with another map or a max pool of windows side by side, then ReLU.
 struct frame_convolution {
@@ -185,6 +183,4 @@ struct frame_method {
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -21,9 +21,7 @@
 //   pack, run           from folded to packed weights; from one map to the next
 // A new method is a new file and its name in a list.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 namespace detail {
 
@@ -77,6 +75,4 @@ template <class Weight, class T>
                         *to++ = f < filters ? weight(f, channel, row, column) : T{};
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

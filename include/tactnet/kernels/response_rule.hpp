@@ -9,9 +9,7 @@
 #include <cstddef>
 #include <ratio>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Constants of a local response normalisation. The window of channel c begins `before` channels before it.
 template <std::size_t Size, class Alpha, class Beta, class K>
@@ -55,6 +53,4 @@ struct response_rule {
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -8,8 +8,7 @@
 #include <cstddef>
 #include <string_view>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The elementwise layer of an activation function, in place. `activation_function.hpp` shows how to write
 /// one.
@@ -45,5 +44,4 @@ struct activation {
 /// Rectified linear unit: max(x, 0). In place.
 using relu = activation<relu_function>;
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

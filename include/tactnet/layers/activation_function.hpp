@@ -33,8 +33,7 @@
 //   is_relu             true for max(x, 0) alone: in 8 bits a clamp of bytes; the layer before fuses it
 //   moves_zero          true unless value(0) is 0
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A struct that describes an elementwise activation.
 template <class Function>
@@ -87,5 +86,4 @@ concept moves_zero = requires {
 };
 
 } // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -7,8 +7,7 @@
 #include <cstddef>
 #include <string_view>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// What the sum of a window is divided by: the pixels in it, or the zeros around them as well (PyTorch's
 /// count_include_pad).
@@ -86,5 +85,4 @@ struct adaptive_average_pool {
 /// The mean of each channel (Lin, Chen, Yan, "Network in network", 2014).
 using global_average_pool = adaptive_average_pool<1>;
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -11,8 +11,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Batch normalisation (Ioffe and Szegedy, 2015): brings each channel to mean 0 and variance 1, then to a
 /// learned scale and shift. Training uses the moments of the batch, inference the running ones. The network
@@ -184,5 +183,4 @@ struct batch_norm {
     };
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

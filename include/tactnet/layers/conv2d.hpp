@@ -11,8 +11,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 template <std::size_t KernelRows, std::size_t KernelColumns, std::size_t PaddedRows,
           std::size_t PaddedColumns>
@@ -191,5 +190,4 @@ struct conv2d {
     };
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -9,8 +9,7 @@
 #include <string_view>
 #include <type_traits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -134,5 +133,4 @@ template <class Spec>
 using checked = typename checked_specification<Spec>::type;
 
 } // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -13,8 +13,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -126,5 +125,4 @@ struct dense {
     };
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

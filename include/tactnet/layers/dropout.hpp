@@ -9,8 +9,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace random_purposes {
 inline constexpr random_purpose dropout{4}; ///< the mask of one sample in one step
@@ -79,5 +78,4 @@ struct dropout {
     };
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -18,8 +18,7 @@
 // shape, a specification becomes a layer: constants and static functions, without state. The parameters of a
 // network lie in one flat array, and what the backward pass of a batch needs lies in the layer's `memory`.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A batch to read, in lanes as wide as the instruction set's registers.
 template <class T, shape Shape>
@@ -254,5 +253,4 @@ describe_array(std::vector<parameter>& list, const std::string& prefix, const ch
     list.push_back(std::move(p));
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

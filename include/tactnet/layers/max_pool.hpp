@@ -8,8 +8,7 @@
 #include <cstddef>
 #include <string_view>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 template <std::size_t WindowRows, std::size_t WindowColumns, std::size_t PaddedRows,
           std::size_t PaddedColumns>
@@ -75,5 +74,4 @@ struct max_pool {
     };
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

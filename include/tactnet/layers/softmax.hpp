@@ -7,8 +7,7 @@
 #include <cstddef>
 #include <string_view>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Softmax over the channels of each pixel, for lists that end in probabilities. The networks of the paper
 /// end in logits. Training joins softmax and cross-entropy (training/loss.hpp), which is exact where
@@ -50,5 +49,4 @@ struct softmax {
     };
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -7,8 +7,7 @@
 #include <ratio>
 #include <string_view>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// y = √(x + offset) − √offset, and 0 for x below 0. As the first layer of a network of counts it stabilises
 /// their variance: counts are noisier the larger they are, and the noise of their root is nearly constant
@@ -41,5 +40,4 @@ struct square_root {
     };
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

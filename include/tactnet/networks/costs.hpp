@@ -16,8 +16,7 @@
 //     constexpr auto costs = costs_at_sizes<tactnet6_for_22>(); // 7 × 13 … 28 × 50
 //     static_assert(costs.at({28, 50}).parameters == 104518);
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The constants of a network of the same names.
 struct network_costs {
@@ -84,5 +83,4 @@ template <class Sizes, shape Least = shape{7, 13}, shape Most = shape{28, 50}>
     (std::make_index_sequence<table::size>{});
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

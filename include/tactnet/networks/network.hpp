@@ -10,8 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -220,5 +219,4 @@ private:
 template <shape Input, class... Specs>
 using network = basic_network<float, Input, Specs...>;
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -6,8 +6,7 @@
 #include <cstdint>
 #include <span>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Turns 8-bit counts into the input of a network: (count − mean) × scale. The mean is an image, in the paper
 /// that of the training set; a mean of zero and a scale of 1/255 give plain scaling.
@@ -44,5 +43,4 @@ struct normalisation {
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -5,8 +5,7 @@
 #include <cstddef>
 #include <optional>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The resolutions of the paper. The array has 28 × 50 tactels; the other images are resized.
 enum class resolution { r28x50, r20x35, r14x25, r10x18, r7x13 };
@@ -68,5 +67,4 @@ struct published_training {
     std::optional<published_transfer> transfer = {};
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

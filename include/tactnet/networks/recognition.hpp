@@ -13,8 +13,7 @@
 // From the outputs of a network to the class that they name. Nothing here uses the heap or throws, and it
 // needs no more than a target without files has.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The class that a frame most likely shows.
 struct recognition {
@@ -101,5 +100,4 @@ template <lasting_names Names>
     return detail::with_name(classify_probabilities(probabilities, names.size()), names);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

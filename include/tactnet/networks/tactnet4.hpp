@@ -6,8 +6,7 @@
 
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Kernels of TactNet-4's three convolutions.
 struct tactnet4_form {
@@ -36,5 +35,4 @@ using tactnet4 = network<Input,                                                 
     return {.rate = 0.05, .drop_period = 200, .patience = 3};
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -6,8 +6,7 @@
 
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// What varies in TactNet-6: the kernel of the second and the fifth convolution and the strides of the pools.
 struct tactnet6_form {
@@ -70,5 +69,4 @@ using tactnet6_economical = tactnet6<Input, Classes, tactnet6_form::economical()
     return tactnet6_training(image);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

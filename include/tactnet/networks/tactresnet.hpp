@@ -7,8 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The pools of TactResNet, which was published for 28 × 50 only.
 struct tactresnet_form {
@@ -48,5 +47,4 @@ using tactresnet = network<Input,                                               
     return {.rate = 0.002, .drop_period = 0, .patience = 5, .subtracts_mean = false};
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -14,9 +14,7 @@
 // Runs a network on images in single precision: observes the range of each map, and the outputs with which
 // those of a network in 8 bits are compared.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 /// Writes the outputs of the network in 8 bits with these folded numbers, for consecutive images; false if it
 /// rejects one.
@@ -145,6 +143,4 @@ private:
     std::vector<float> lowest_, highest_; ///< per range
 };
 
-} // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::detail

@@ -15,10 +15,7 @@
 
 // Calibrates a network given as a graph: ranges, then weights. Compiled once for all networks.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-
-namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 /// Searches the range of each map: the fraction of the observed range with which the outputs in 8 bits come
 /// closest to the outputs in single precision, map by map, the ranges of the others fixed.
@@ -152,6 +149,4 @@ private:
     double error_ = 0, error_of_rounded_ = 0;
 };
 
-} // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::detail

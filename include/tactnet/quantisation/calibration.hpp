@@ -15,8 +15,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Post-training quantisation: finds activation ranges and rounded weights of a network in 8 bits from
 /// training images; keep test images out. First each map gets the range of its numbers on the images. Then,
@@ -119,5 +118,4 @@ template <class Format, class Network>
     return network;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -13,9 +13,7 @@
 // sums. As GPTQ does, layer by layer and by least squares; by coordinate descent in place of GPTQ's one pass
 // over the columns.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 /// Moments over many pixels: of the inputs, of the exact sums of filters, and of products of both.
 class pixel_moments {
@@ -144,6 +142,4 @@ private:
     double ridge_term_ = 0;
 };
 
-} // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::detail

@@ -11,9 +11,7 @@
 // A network in 8 bits as a graph of numbers, so that calibration is compiled once for all networks.
 // graph_of.hpp makes the graph of a network's type.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 /// A feature map, pixel by pixel without gaps.
 struct feature_map {
@@ -85,6 +83,4 @@ struct calibration_graph {
     }
 };
 
-} // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::detail

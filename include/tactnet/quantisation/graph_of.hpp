@@ -11,8 +11,7 @@
 
 // The calibration graph of a network, from the descriptions of its steps.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 namespace detail {
 
 /// Appends steps to a graph.
@@ -195,5 +194,4 @@ template <class View>
     return std::move(builder.network());
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

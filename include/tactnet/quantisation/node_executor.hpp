@@ -17,10 +17,7 @@
 // The operators of the calibration graph, as plain loops in single precision; node_executor has convolutions
 // and executes any node, exact or with every number rounded to 8 bits.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-
-namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 /// Writes the first map of an image, exact or rounded to words. The folded numbers begin with the mean and
 /// the steps per count of the words; the input is (count − mean) × scale.
@@ -233,6 +230,4 @@ private:
     aligned_vector<float> weights_, biases_; ///< [group][tap][filter], [group][filter]
 };
 
-} // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::detail

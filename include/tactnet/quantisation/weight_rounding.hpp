@@ -10,9 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 /// The stride over the pixels of consecutive images with which about `enough` pixels are used. It has no
 /// common factor with the pixels of an image, so that it meets each of them.
@@ -172,6 +170,4 @@ private:
     std::vector<float> exact_maps_, rounded_maps_;
 };
 
-} // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::detail

@@ -14,8 +14,7 @@
 // as 1, 2, 3", SC 2011). The numbers of (seed, stream, item) are the same wherever and in whatever order they
 // are drawn.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Ten rounds of Philox over one counter.
 [[nodiscard]] constexpr std::array<std::uint32_t, 4> philox(std::array<std::uint32_t, 4> counter,
@@ -121,5 +120,4 @@ private:
     std::size_t next_ = 4;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

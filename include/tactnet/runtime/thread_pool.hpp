@@ -10,8 +10,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Threads that divide work into equal, fixed shares, for one caller at a time. The shares depend on the
 /// counts alone and nothing is reduced across them, so results do not depend on timing. A pool of one thread
@@ -142,5 +141,4 @@ private:
     std::vector<std::thread> workers_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

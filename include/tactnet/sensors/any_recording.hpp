@@ -19,8 +19,7 @@
 
 // Recognises the format of a recording or map by its bytes, never by the name of its file.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -148,5 +147,4 @@ private:
     bool known_ = false;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

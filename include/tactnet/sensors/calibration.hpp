@@ -16,8 +16,7 @@
 // which the converter saturates. Equilibration, a recording under even pressure, measures by how much each
 // tactel differs from the mean. Counts within the noise are no contact.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Parameters of a calibration. Their defaults change nothing.
 struct calibration_values {
@@ -111,5 +110,4 @@ private:
     return gains;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

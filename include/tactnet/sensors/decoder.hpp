@@ -18,8 +18,7 @@
 // grows, it may take three times that. Decoders throw nothing but std::bad_alloc: they return a status, and
 // report errors and warnings on request.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The largest rows × columns that a source may announce, so that damaged bytes cannot exhaust the memory.
 inline constexpr std::size_t largest_frame_cells = std::size_t{1} << 20;
@@ -153,5 +152,4 @@ template <std::unsigned_integral T>
     return value;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -17,8 +17,7 @@
 // The common form of all sensors and file formats: frames of rows × columns cells, each with a number and, if
 // known, a time, and one description of their source.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The unit of cells: raw counts of the converter, or pressure.
 enum class pressure_unit : std::uint8_t { raw, pascal };
@@ -85,5 +84,4 @@ struct frame_view {
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -16,8 +16,7 @@
 // A plain stream of matrices, as a microcontroller sends it: a marker, if any, bytes to skip, the cells, more
 // bytes to skip. For other protocols, write a decoder of your own.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The encoding of a cell.
 enum class cell_format : std::uint8_t { uint8, uint16_little, uint16_big, float32_little };
@@ -166,5 +165,4 @@ private:
     bool in_step_ = false; ///< just after a frame
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

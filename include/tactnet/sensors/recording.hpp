@@ -20,8 +20,7 @@
 
 // Whole recordings in memory, from bytes or files. In a control loop, push bytes into a decoder instead.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The frames of a source in memory.
 class recording {
@@ -129,5 +128,4 @@ enum class damaged_file : std::uint8_t {
     return result;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -2,8 +2,7 @@
 
 #include <tactnet/tensor/shape.hpp>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Tekscan's 6077 sensor with the electronics of Gandarias et al. 2019, which recorded the paper's images:
 /// the defaults of calibration and of simulated arrays.
@@ -14,5 +13,4 @@ struct tekscan_6077 {
     static constexpr double pitch = 1.903e-3; ///< metres from tactel to tactel: 1 / √tactels_per_area
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

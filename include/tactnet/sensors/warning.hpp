@@ -18,8 +18,7 @@
 // checksum they may be damage, or come from an unknown program. Adding warnings uses no heap, since there may
 // be many.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -109,5 +108,4 @@ private:
     std::uint64_t count_ = 0;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

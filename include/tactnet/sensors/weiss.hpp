@@ -19,8 +19,7 @@
 // each, whose low 12 bits are the value and whose high 4 bits are the number of cells. The controllers differ
 // in which bytes the checksum covers.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -211,5 +210,4 @@ public:
         : weiss_decoder("DSACON32m", array, weiss_coverage::without_preamble) {}
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -13,8 +13,7 @@
 // Effects of a scene. An effect is a struct of parameters in SI units, without sizes. Its class template
 // `bound<shape>` may have a state: the properties of one sensor, and a memory of earlier frames.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace random_purposes {
 inline constexpr random_purpose sensor{7}; ///< properties of one simulated sensor
@@ -125,5 +124,4 @@ void scale(signal<Shape> values, double factor) noexcept {
 }
 
 } // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

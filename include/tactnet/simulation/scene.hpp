@@ -18,9 +18,7 @@
 // A scene is a type: an array, a contact, and the effects that matter. Effects that are not listed take no
 // time, no memory and no code.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// An array of tactels. The default pitch is that of the paper's sensor.
 template <std::size_t Rows, std::size_t Columns>
@@ -245,6 +243,4 @@ private:
     decltype(bind(Array{}, {}, {}, std::index_sequence_for<Effects...>{})) effects_;
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

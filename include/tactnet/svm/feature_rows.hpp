@@ -12,8 +12,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// For a number of features that is only known at run time.
 inline constexpr std::size_t dynamic_features = std::dynamic_extent;
@@ -101,5 +100,4 @@ void for_each_block(feature_rows<Features> rows, std::size_t bytes_each, const T
 
 } // namespace detail
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

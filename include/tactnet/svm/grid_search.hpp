@@ -11,8 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The settings to try: each kernel with each cost.
 template <svm_kernel Kernel>
@@ -144,5 +143,4 @@ grid_search(const search_grid<Kernel>& grid, feature_rows<Features> rows, std::s
     return result;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

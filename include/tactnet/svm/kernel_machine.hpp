@@ -21,8 +21,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The parameters of a trained machine, which a file stores.
 template <svm_kernel Kernel>
@@ -256,5 +255,4 @@ void kernel_machine_parameters<Kernel>::check() const {
     }
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -13,8 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Options of train_kernel_machine.
 template <svm_kernel Kernel>
@@ -169,5 +168,4 @@ train_kernel_machine(feature_rows<Features> rows, std::span<const std::size_t> l
     return {kernel_machine<Kernel, Features>(std::move(parts)), std::move(reports)};
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

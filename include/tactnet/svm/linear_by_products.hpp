@@ -14,8 +14,7 @@
 // each round; the dual needs only the products of samples with each other, which are computed once for all
 // classes.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Options of train_linear_machine_by_products.
 struct linear_product_options {
@@ -70,5 +69,4 @@ train_linear_machine_by_products(feature_rows<Features> rows, std::span<const st
     return {linear_machine<Features>(std::move(parts)), std::move(reports)};
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

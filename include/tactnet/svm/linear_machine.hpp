@@ -17,8 +17,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The parameters of a trained linear machine, which a file stores.
 struct linear_machine_parameters {
@@ -176,5 +175,4 @@ train_linear_machine(feature_rows<Features> rows, std::span<const std::size_t> l
     return {linear_machine<Features>(std::move(parts)), std::move(reports)};
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -15,8 +15,7 @@
 
 // Many classes from machines that separate two: their problems and solutions, and how they decide together.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Two classes: the samples, their sides, and the cost of an error on each.
 struct binary_problem {
@@ -226,5 +225,4 @@ deal_folds(const std::vector<std::vector<std::size_t>>& samples_of_classes, std:
     return fold_of;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -10,8 +10,7 @@
 
 // Probabilities from decision values.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// P(first class | value) = 1 / (1 + exp(slope · value + offset))
 struct sigmoid {
@@ -125,5 +124,4 @@ struct sigmoid {
     return p;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

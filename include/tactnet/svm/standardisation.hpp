@@ -10,8 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Subtracts the mean of each feature and divides by its standard deviation, both of the training set. A
 /// feature that is constant there is only centred.
@@ -85,5 +84,4 @@ private:
     feature_rows<> rows_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

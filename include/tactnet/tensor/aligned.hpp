@@ -11,8 +11,7 @@
 #include <sys/mman.h>
 #endif
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -77,5 +76,4 @@ void grow(aligned_vector<T>& elements, std::size_t count) {
 
 } // namespace detail
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -14,8 +14,7 @@
 // forward pass; a sample's result does not depend on its neighbours. Lanes after the last sample hold zeros
 // in inputs and in gradients, on which sums over a batch rely; between layers their values are meaningless.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A view of a batch: whole lane blocks that belong to the caller, aligned to 64 bytes. T may be const.
 template <class T, shape Shape, std::size_t Lanes>
@@ -93,5 +92,4 @@ private:
     std::size_t samples_ = 0;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

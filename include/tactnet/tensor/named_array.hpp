@@ -10,8 +10,7 @@
 // folded numbers of deployed networks. It needs no network type, so what works with it compiles once per
 // unit.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// An array of a network or of its file, by PyTorch's name.
 struct named_array {
@@ -42,5 +41,4 @@ struct named_array {
     return product;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

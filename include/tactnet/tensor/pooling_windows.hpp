@@ -8,8 +8,7 @@
 
 // The pixels that each window of a pool covers. Padding is left out: a window is cut to the image.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Rows, or columns, begin … end − 1 of an image.
 struct pixel_range {
@@ -97,5 +96,4 @@ struct average_windows {
     friend constexpr bool operator==(const average_windows&, const average_windows&) = default;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

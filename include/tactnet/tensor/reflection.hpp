@@ -7,8 +7,7 @@
 
 // Reflected images, over which a network may average its outputs.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A reflection of an image: flipped vertically, horizontally, both (a rotation by 180°) or not at all.
 struct reflection {
@@ -37,5 +36,4 @@ constexpr void reflect_image(const shape& image, reflection how, const Count* fr
     return ((upright + rows) + (columns + both)) / 4;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

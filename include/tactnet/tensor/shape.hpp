@@ -6,8 +6,7 @@
 
 // Sizes as compile-time constants. All are structural types, so that they can be template arguments.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The size of one sample: a pressure image of `rows` × `columns` tactels, or `channels` feature maps.
 /// Elements are ordered [channel][row][column].
@@ -147,5 +146,4 @@ private:
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -6,8 +6,7 @@
 #include <array>
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A sample that holds its elements in place, without heap. Ordered [channel][row][column].
 template <class T, shape Shape>
@@ -45,5 +44,4 @@ private:
     alignas(alignment) std::array<T, Shape.size()> elements_{};
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -8,8 +8,7 @@
 #include <span>
 #include <type_traits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A range whose elements outlive the full expression: an lvalue, or a view. Functions that keep a view of
 /// their argument require it, so that a temporary, which would dangle, does not compile.
@@ -61,5 +60,4 @@ template <shape Shape, class Range>
     return all.size() == Shape.size() ? std::optional<view>(view(all.data())) : std::optional<view>();
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -11,8 +11,7 @@
 
 // Messages made of texts, whole numbers, and names in quotes, which may come from a hostile or damaged file.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The length in bytes, 1…4, of the well-formed UTF-8 sequence that `text` begins with; 0 if there is none.
 /// Overlong forms, surrogates and values above U+10FFFF are not well-formed (Unicode 15, table 3-7).
@@ -129,5 +128,4 @@ using text_parts = std::initializer_list<text_part>;
 }
 
 } // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

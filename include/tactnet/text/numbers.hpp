@@ -19,8 +19,7 @@
 // Floating-point numbers as text, also where the standard library lacks from_chars or to_chars for them, as
 // libc++ does before versions 20 and 14. Independent of the locale.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A number at the start of a text.
 template <std::floating_point T>
@@ -147,5 +146,4 @@ template <std::floating_point T>
         return {text, detail::print_shortest(text, text + sizeof(text), "%.*f", value)};
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -11,8 +11,7 @@
 // Text in files and messages: whether bytes are UTF-8, how names are written in JSON headers (which must be
 // UTF-8), and how to show a name that may come from a hostile or damaged file in an error message.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Whether all of `text` is well-formed UTF-8.
 constexpr bool is_utf8(std::string_view text) noexcept {
@@ -86,5 +85,4 @@ namespace detail {
     return json + '"';
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -16,8 +16,7 @@
 #include <span>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The results of a network on labelled samples.
 struct evaluation {
@@ -110,5 +109,4 @@ evaluate(const Network& network, const normalisation<Network::input_shape>& norm
         });
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -9,8 +9,7 @@
 #include <span>
 #include <variant>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace random_purposes {
 inline constexpr random_purpose initial_weights{3}; ///< one array of weights
@@ -55,5 +54,4 @@ void initialise(Network& network, const initialisation& rule, std::uint64_t seed
         [&](const parameter& p, auto values) { detail::initialise(p, values, rule, seed, index); });
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -19,8 +19,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -253,5 +252,4 @@ private:
     detail::gradient_step step_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -8,8 +8,7 @@
 #include <cstddef>
 #include <span>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -64,5 +63,4 @@ double softmax_cross_entropy(batch_view<const T, Shape, Lanes> logits, std::span
                                          classes, smoothing, gradient.data());
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -8,8 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Counts of (true class, recognised class).
 class confusion_matrix {
@@ -66,5 +65,4 @@ struct mean_and_deviation {
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -13,8 +13,7 @@
 #include <variant>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Stochastic gradient descent with momentum. `l2` times the weights is added to their gradient, but not to
 /// the gradient of biases.
@@ -146,5 +145,4 @@ void take_step(const optimiser& rule, optimiser_state<T>& state, double rate, st
         rule);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

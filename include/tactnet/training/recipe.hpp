@@ -13,8 +13,7 @@
 #include <string>
 #include <string_view>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// How counts become inputs of the network.
 enum class input_rule {
@@ -187,5 +186,4 @@ private:
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

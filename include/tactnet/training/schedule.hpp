@@ -10,8 +10,7 @@
 
 // Learning rates over the epochs of a training, and when to stop it.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A constant learning rate.
 struct constant_rate {};
@@ -72,5 +71,4 @@ struct early_stopping {
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -8,8 +8,7 @@
 #include <memory>
 #include <utility>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A training of a network of a known type; training_loop is for any type.
 template <class Network>
@@ -45,5 +44,4 @@ private:
     normalisation<input> normalise_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -13,8 +13,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -121,5 +120,4 @@ struct lowering<as_photograph<Size>> {
     };
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -12,8 +12,7 @@
 
 // The deployed step of as_photograph. An exported network needs this file alone.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Folded and packed: the mean of red, green and blue, then the factor of each after subtracting it.
 template <class Format, extent2d From, std::size_t InputStride, extent2d To>
@@ -76,5 +75,4 @@ private:
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -19,8 +19,7 @@
 
 // From the last feature map of a pretrained network to a row of features.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Which values of a feature map become features.
 enum class feature_pooling {
@@ -124,5 +123,4 @@ private:
     feature_pooling pooling_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -15,8 +15,7 @@
 // pressure images of one channel, with a new last layer. The training settings are those of the authors'
 // programs.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -85,5 +84,4 @@ using feature_head = network<shape{1, 1, Features}, batch_norm, dropout<20>, //
                              dense<Hidden>, batch_norm, relu, dropout<50>,   //
                              dense<Classes>>;
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

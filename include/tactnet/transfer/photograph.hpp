@@ -16,8 +16,7 @@
 // Turns a pressure image into the photograph that an ImageNet network expects: resized bicubically, its
 // channel repeated three times (the paper's equations 1 to 4), normalised as in the training of the weights.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The value of a resized pixel before it is normalised.
 enum class resized_pixel {
@@ -97,5 +96,4 @@ inline void to_photograph(std::span<const std::uint8_t> image, extent2d grey,
     detail::spread_first_channel(to, form.normalise);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

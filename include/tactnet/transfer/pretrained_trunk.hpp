@@ -11,8 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Reads the preprocessing that the weights of a file were trained with: if the file has an array
 /// `input_mean` of three numbers (after `prefix`), these are subtracted from the counts; otherwise it is
@@ -73,5 +72,4 @@ template <class File>
     return values;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

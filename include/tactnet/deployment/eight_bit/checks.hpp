@@ -16,8 +16,7 @@
 // Checks folded numbers of a network in 8 bits: others might overflow sums of 32 bits or give bytes no
 // meaning.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A wrong folded number.
 struct folded_problem {
@@ -149,5 +148,4 @@ private:
     return detail::folded_checker(layout, folded).problem();
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

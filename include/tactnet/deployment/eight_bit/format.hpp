@@ -14,8 +14,7 @@
 //
 // A step with parameters lists the arrays of its folded numbers in `arrays`, for packing, checks and files.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The format of a step in 8 bits that reads and writes such numbers: bytes between steps, words of 16 bits
 /// for the frame (deployment/eight_bit/steps.hpp), floats for the outputs. Memory is counted in bytes.
@@ -139,5 +138,4 @@ struct cannot_read_the_frame {
 
 } // namespace detail
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -15,8 +15,7 @@
 // The layout of the folded numbers of a network in 8 bits: named arrays, for checks and files, which need not
 // know the network's type. deployment/eight_bit.hpp makes the layout of a network's type.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The arrays of one step.
 struct folded_step {
@@ -87,5 +86,4 @@ part_name(const std::string& name, const char* part, std::size_t place = 0) {
         }
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -11,9 +11,7 @@
 
 // Rounds folded numbers to integers, also when compiling.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 /// The nearest integer, ties to even; magnitudes below 2⁶².
 [[nodiscard]] constexpr std::int64_t nearest_even(double value) {
@@ -141,6 +139,4 @@ struct filter_scale {
     return unit > 0 ? unit : 1;
 }
 
-} // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::detail

@@ -16,8 +16,7 @@
 
 // What a deployed network in 8 bits runs: how it reads a frame and writes its outputs, here, and its steps.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Converts counts to words of 16 bits, pixel by pixel: counts × steps − mean × steps, both rounded, so that
 /// counts of 8 bits keep every bit and the mean 1/256 of a count. Folded numbers: the mean frame, the steps
@@ -68,5 +67,4 @@ struct output_stage<eight_bit, Output, Stride> {
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

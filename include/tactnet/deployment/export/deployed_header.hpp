@@ -17,8 +17,7 @@
 // Writes a deployed network as a C++ header, for targets without files. A header compiles for any instruction
 // set, whichever wrote it; only the outputs of its self-test may differ in their last bits.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -163,5 +162,4 @@ template <class Network, class Format>
          {"frame outputs", detail::number_lines<float>(outputs, detail::float_literal)}});
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -11,8 +11,7 @@
 
 // Options for writing a deployed network as a header (deployed_header.hpp).
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// When a program packs the weights of a header. Neither uses the heap.
 enum class packing {
@@ -70,5 +69,4 @@ struct header_description {
     }
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -13,10 +13,7 @@
 
 // Values as the text of a C++ header.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-
-namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 /// A string literal, with bytes beyond ASCII and special characters as octal numbers.
 inline std::string string_literal(std::string_view text) {
@@ -83,6 +80,4 @@ inline std::string filled(std::string_view text, std::initializer_list<replaceme
     }
 }
 
-} // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::detail

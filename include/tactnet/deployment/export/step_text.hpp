@@ -20,8 +20,7 @@
 // refer to earlier ones, since the distance between pixels depends on the instruction set that a header is
 // compiled for.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 namespace detail {
 
 // Values as C++. They are not templates, so that each is compiled once for all steps of a network. A
@@ -256,5 +255,4 @@ private:
     std::size_t count_ = 0;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

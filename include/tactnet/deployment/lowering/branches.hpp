@@ -9,8 +9,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -111,5 +110,4 @@ struct lowering<concatenation<Branches...>> {
     using at = lowered_concatenation<Place, std::index_sequence_for<Branches...>, Branches...>;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

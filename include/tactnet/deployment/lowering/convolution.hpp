@@ -7,8 +7,7 @@
 #include <cstddef>
 #include <type_traits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The constants of a convolution without a batch norm after it.
 struct no_norm {
@@ -119,5 +118,4 @@ struct lowering<conv2d<Filters, Kernel, Stride, Padding, Options>> {
     using at = lowered_convolution<Place>;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

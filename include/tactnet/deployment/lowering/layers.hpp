@@ -19,8 +19,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 template <name_text Name, class Spec>
 struct lowering<named<Name, Spec>> : lowering<Spec> {};
@@ -175,5 +174,4 @@ struct lowering<dense<Outputs>> {
     using at = lowered_dense<Place>;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

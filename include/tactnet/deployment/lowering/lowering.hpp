@@ -37,8 +37,7 @@
 // In such formats a layer may have `output_fused<Lowered>`: a lowered layer, and this layer applied to its
 // outputs, which are floats.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Specialised for each layer that can be deployed.
 template <class Spec>
@@ -132,5 +131,4 @@ concept has_lowering = inference_no_op<Spec> || requires {
     sizeof(lowering<Spec>);
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

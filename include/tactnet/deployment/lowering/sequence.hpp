@@ -14,8 +14,7 @@
 // Lowers a list of layers to steps, when compiling: each layer is lowered in turn, and the layers after it
 // that it can fuse become part of its step, one pass over memory.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Lowered layers, one after the other.
 template <class... Lowered>
@@ -198,5 +197,4 @@ struct lowering<sequence<Specs...>> {
     using at = lowered_list<Place, sequence<Specs...>>;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

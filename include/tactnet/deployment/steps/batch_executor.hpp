@@ -8,8 +8,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Runs inline, on the calling thread, in place of a thread_pool. For at most `MostFrames` frames.
 template <std::size_t MostFrames>
@@ -88,5 +87,4 @@ void run_batch(const typename Step::format::packed_number* packed,
 }
 
 } // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -7,8 +7,7 @@
 #include <cstddef>
 #include <type_traits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The identity, as the skip of a residual block or a branch of a concatenation.
 struct no_step : step_defaults {
@@ -226,5 +225,4 @@ struct step_description<concatenation_step<Format, Input, InputStride, Stride, B
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

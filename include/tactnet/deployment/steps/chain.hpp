@@ -10,8 +10,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A sequence of steps as one step. The maps between them alternate between two buffers.
 template <class... Steps>
@@ -99,5 +98,4 @@ struct step_description<step_chain<Steps...>> {
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -9,8 +9,7 @@
 #include <cstddef>
 #include <type_traits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Convolution with its epilogue: batch norm, a sum, max pool, ReLU. The output may be some channels of a
 /// wider map, beginning at Kernel.map_offset.
@@ -145,5 +144,4 @@ struct dense_step<single_precision, Kernel>
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -12,8 +12,7 @@
 #include <span>
 #include <type_traits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A batch norm that no convolution has fused, with or without ReLU: a factor and an offset per channel.
 template <class Format, shape Map, std::size_t Stride, bool Rectified>
@@ -178,5 +177,4 @@ struct softmax_not_last : Step {
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -6,8 +6,7 @@
 #include <cstddef>
 #include <type_traits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A max pool that no convolution has fused.
 template <class Format, sliding_window Window, std::size_t Stride>
@@ -47,5 +46,4 @@ struct average_pool_step<single_precision, Windows, Channels, Stride>
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

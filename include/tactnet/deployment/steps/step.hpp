@@ -33,8 +33,7 @@
 //
 // The headers in this folder need neither exceptions nor run-time type information nor files.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The number format of single precision: maps and packed weights are floats. Each step is a template on a
 /// number format and is defined by its specialisations. A further format is a further set of specialisations.
@@ -152,5 +151,4 @@ template <class Step, composition How>
 inline constexpr bool is_inner_step<inner_step<Step, How>> = true;
 
 } // namespace detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

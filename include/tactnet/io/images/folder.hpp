@@ -16,8 +16,7 @@
 // Labelled images in the usual layout: a folder with one subfolder per class. This header lists them; set.hpp
 // loads them.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Whether `a` comes before `b` when runs of digits count as numbers: "key2" before "key10". A strict total
 /// order on bytes, independent of the locale; numbers that differ in leading zeros only are put in order by
@@ -200,5 +199,4 @@ list_image_folder(const std::filesystem::path& root,
     return folder;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -16,8 +16,7 @@
 // The images of a folder in memory. The library contains no decoder: the caller passes a function that
 // decodes a file into grey values.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// An image of 8-bit grey values, row-major, `rows * columns` of them.
 struct grey_image {
@@ -93,5 +92,4 @@ template <class Decoder, class Resizer>
                                    });
     }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -18,8 +18,7 @@
 // with a probability of about one in 2^64. It does not protect from someone who changes a file on purpose and
 // computes the checksum again.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// XXH64 of bytes that come in pieces of any sizes.
 class xxh64 {
@@ -160,5 +159,4 @@ inline std::uint64_t checksum_around(std::span<const std::byte> bytes, std::size
         .digest();
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -14,8 +14,7 @@
 // The element types of stored tensors, as the safetensors format names them, and the two 16-bit
 // floating-point formats that C++20 has no type for.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The type of the elements of a stored array, by the names of safetensors.
 enum class element_type {
@@ -122,5 +121,4 @@ constexpr float bfloat16_to_float(std::uint16_t bits) noexcept {
     return detail::bits_as<float>(static_cast<std::uint32_t>(bits) << 16);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

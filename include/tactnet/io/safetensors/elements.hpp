@@ -17,8 +17,7 @@
 
 // Converts the bytes of a file to numbers.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -97,5 +96,4 @@ void convert_elements(element_type from, std::span<const std::byte> stored, std:
     }
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

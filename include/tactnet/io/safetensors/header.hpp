@@ -28,8 +28,7 @@
 // is checked against all others before any data is read. Source: the format description at
 // https://github.com/huggingface/safetensors.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 static_assert(
     std::endian::native == std::endian::little,
@@ -295,5 +294,4 @@ parse_safetensors_header(std::span<const std::byte> beginning, std::uintmax_t si
     return header;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -15,8 +15,7 @@
 #include <string_view>
 #include <utility>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Whether a wrong checksum is an error.
 enum class checksum_rule {
@@ -98,5 +97,4 @@ private:
     checksum_state checksum_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

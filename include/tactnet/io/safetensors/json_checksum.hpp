@@ -17,8 +17,7 @@
 // JSON with a checksum of its own: the last member of the object, "checksum", covers all the text around its
 // digits. It serves a line of JSON lines as well as a whole file; other programs see one more member.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -96,5 +95,4 @@ struct checked_json {
     return result;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -17,8 +17,7 @@
 // built; the caller states what comes next, and each deviation is a file_error with its byte. Duplicate keys
 // are rejected: readers that keep the first and readers that keep the last would see two different files.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Reads JSON text from front to back.
 class json_scanner {
@@ -238,5 +237,4 @@ private:
     std::size_t position_ = 0;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -25,8 +25,7 @@
 // A safetensors file that stays on the disk. Networks of hundreds of megabytes are read array by array, and
 // need no memory beside their own.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Reads tensors of a file one at a time. Only the header is kept. One thread at a time may read.
 class safetensors_source : public safetensors_index {
@@ -145,5 +144,4 @@ private:
     detail::file_handle stream_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -22,8 +22,7 @@
 // are sorted by falling element size and then by name, so that each is aligned to its elements. Every file
 // carries a checksum over all of it in its metadata, where other programs ignore it.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Collects tensors and text, then writes them as one file, all or nothing.
 class safetensors_writer {
@@ -211,5 +210,4 @@ private:
     std::vector<content> contents_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The outputs along rows or columns that share a phase: index = phase + spacing × i. Tap t of output i reads
 /// the input at base + i × step + t, with kernel index first + spacing × t.
@@ -127,6 +125,4 @@ struct batch_convolution {
     friend constexpr bool operator==(const batch_convolution&, const batch_convolution&) = default;
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -16,9 +16,7 @@
 // (direct_gradient.hpp). Here a tile of the input is transposed, so that a vector holds channels of one
 // sample: each lane is then a weight of its own.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Adds the products of one pixel's samples to a register block of weights: sums[n][v] += numbers[n][sample]
 /// × values[sample][v]. From one row of numbers to the next it is `stride` elements.
@@ -153,6 +151,4 @@ private:
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -14,9 +14,7 @@
 // all kernel columns, and the gradient of all taps is accumulated at once. The sums run in the same order as
 // those of direct convolution of one channel, so that both give the same bits.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Neighbouring outputs of one channel, from `Outputs` accumulators and the inputs that they share.
 template <batch_convolution C, std::size_t Outputs, class T>
@@ -198,6 +196,4 @@ private:
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -12,9 +12,7 @@
 // accumulates all taps; taps on padding are skipped. The sum of one output runs over channel, kernel row and
 // kernel column in this order, whatever the blocking, so that results do not depend on it.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Output channels × neighbouring outputs of a register block: accumulators, inputs and a weight must fit
 /// into the registers.
@@ -151,6 +149,4 @@ struct direct_lane_method {
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

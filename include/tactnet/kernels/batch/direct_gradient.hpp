@@ -15,9 +15,7 @@
 // samples. A block of filters × taps stays in registers over a tile of output rows that fits into the
 // first-level cache; a tile's sums are added across the lanes and then accumulated in double.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Output rows of a tile, for so many filters of a register block.
 template <class T>
@@ -168,6 +166,4 @@ template <batch_convolution C, class T>
 using tap_gradient =
     std::conditional_t<channel_gradient<C, T>::applicable, channel_gradient<C, T>, direct_gradient<C, T>>;
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

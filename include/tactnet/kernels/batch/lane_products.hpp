@@ -10,9 +10,7 @@
 // The product of a matrix and a lane block. No sum runs across the lanes, so a sample's result does not
 // depend on its neighbours, and each sum has one fixed order.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The strides of a matrix: element (r, c) is at r · `row` + c · `column`. Exchanging both transposes the
 /// matrix.
@@ -49,6 +47,4 @@ template <std::size_t Rows, std::size_t Columns, matrix_layout Layout, class T, 
     });
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

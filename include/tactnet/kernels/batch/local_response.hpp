@@ -8,9 +8,7 @@
 
 // Local response normalisation: y(c) = x(c) · (k + α/n · Σ x²)^−β over n neighbouring channels.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Normalises one lane block, [channel][pixel][lane].
 template <class Rule, class T>
@@ -56,6 +54,4 @@ void normalise_responses_backward(std::size_t channels, std::size_t pixels, cons
     }
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -17,9 +17,7 @@
 //   add       (input, gradient, sums, workspace, begin, end): adds one lane block, for pieces [begin, end)
 //   finish    (sums, gradients): writes gradients[filter][channel][row][column] from the sums
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 template <batch_convolution C, class T>
 struct separate_groups_lane_method {
@@ -103,6 +101,4 @@ private:
     static constexpr batch_convolution one = C.one_group();
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -11,9 +11,7 @@
 // each window selected. A norm keeps the order of elements or reverses it, so the selection is known before
 // the moments are.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// y = (x − center) × scale + shift
 template <class T>
@@ -123,7 +121,4 @@ void normalised_pool_backward(const normalising_gradient<T>& rule, const vector<
         normalise_backward(rule, use, input, input_gradient, input_gradient, W.input.area() * width);
 }
 
-} // namespace kernels
-
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

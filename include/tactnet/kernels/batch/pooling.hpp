@@ -9,9 +9,7 @@
 // Max and average pooling of one lane block. Padding is never read: a window is cut to the image. The windows
 // of an average are run-time values: the loops over them are the same for any size, and are compiled once.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// output = the largest value of each window; NaN wins.
 template <sliding_window W, class T>
@@ -95,6 +93,4 @@ void average_pool_backward(const average_windows& windows, std::size_t channels,
     }
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -10,9 +10,7 @@
 // Sums of many terms. Short runs are added in the working precision, lane by lane; the runs are accumulated
 // in double. The error stays near that of one rounding, however long the sum is.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Terms that are added in the working precision.
 inline constexpr std::size_t run_length = 16;
@@ -78,6 +76,4 @@ template <class T>
     return {n, static_cast<double>(values[0]) + mean, std::max(squares - sum * mean, 0.0)};
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -12,9 +12,7 @@
 // weights of each output. A weight of zero is no tap, so that NaN and infinity reach only the outputs that
 // they belong to.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Calls take(output pixel, values) for each output of `from`.
 template <class T, class Down, class Along, class Take>
@@ -70,6 +68,4 @@ void resample_lanes_backward(const Give& give, T* to) {
     }
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -15,9 +15,7 @@
 // Dense layers of one frame or a few: a matrix times vectors, outputs side by side in vectors, one input at a
 // time broadcast to all lanes.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// A dense layer over a map that lies pixel by pixel, as a compile-time description.
 struct frame_dense {
@@ -142,6 +140,4 @@ struct direct_dense_method {
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

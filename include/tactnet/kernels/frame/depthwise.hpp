@@ -15,9 +15,7 @@
 // input is loaded once and added to all rows of outputs that it reaches, whose sums stay in registers until
 // they are complete.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// One block of `Columns` outputs. `MissingLeft` and `MissingRight` of the columns under its taps are
 /// padding. `input` is the first row of the image at the column of the first tap. Each sum adds bias, the
@@ -169,6 +167,4 @@ private:
     }();
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

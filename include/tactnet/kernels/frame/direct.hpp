@@ -15,9 +15,7 @@
 // filters. A block of pixels × vectors stays in registers while all taps are added; then max pool and ReLU
 // are applied to the block, so that only pooled values are stored.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The position of a register block.
 struct frame_block {
@@ -209,6 +207,4 @@ struct direct_method : frame_method {
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -14,9 +14,7 @@
 // Operations on one frame, element by element or pixel by pixel: normalisation of its counts, square roots,
 // local response normalisation.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// to[i] = (counts[i] − mean[i]) × scale for `Size` counts in bytes or floats, of any alignment. Returns
 /// whether all results are finite and within ± limit; for bytes the caller chooses the limit so that they
@@ -90,6 +88,4 @@ void normalise_pixels(std::size_t pixels, const float* input, float* output) {
     }
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

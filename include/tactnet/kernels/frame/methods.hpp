@@ -20,9 +20,7 @@
 //   run_frames, run_share              several frames in one call; the share of one thread in a large
 //   convolution
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 template <frame_convolution C>
 using ungrouped_methods =
@@ -130,6 +128,4 @@ struct panel_dense_method
 template <frame_dense D>
 using dense_method = typename method_list<direct_dense_method<D>, panel_dense_method<D>>::cheapest;
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -17,9 +17,7 @@
 // the inputs of neighbouring pixels under one tap, each repeated for its filters. Sums are bit-identical with
 // those of direct_method, apart from the sign of zero: padding beside the image is computed.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// A convolution cut into vectors of several pixels. Sizes only.
 template <frame_convolution C>
@@ -200,6 +198,4 @@ struct packed_pixels_method : frame_method {
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -12,9 +12,7 @@
 // Pooling of one frame that lies pixel by pixel, of floats or bytes: maximum over windows that overlap, which
 // a convolution cannot fuse; averages of floats.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The widest vector that divides the elements of a pixel; a number by itself where none does.
 template <class T, std::size_t Stride>
@@ -120,6 +118,4 @@ void average_frame(const average_windows& windows, const float* input, float* ou
     average_pixels<wide>(windows, Stride, input, output);
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -12,9 +12,7 @@
 
 // The Winograd convolution of one frame or several. winograd_tiles.hpp describes the tiles.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// transformed[element][tile][channel] = Bᵀ d B of the input tiles [first, last); pixels outside the image
 /// are zero. Frames lie `distance` elements apart.
@@ -245,6 +243,4 @@ struct winograd_method : frame_method {
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -18,9 +18,7 @@
 // the outputs: y = Aᵀ [(G g Gᵀ) ∘ (Bᵀ d B)] A (simd/tile_lines.hpp). A tile of outputs holds whole windows of
 // the pool.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Rows and columns of an input tile and of the transformed kernel, for a tile of so many outputs.
 [[nodiscard]] constexpr extent2d tile_side(const frame_convolution& c, extent2d outputs) {
@@ -157,6 +155,4 @@ struct winograd_tiles {
     static constexpr std::size_t workspace = transformed_input + products;
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -9,9 +9,7 @@
 // Products of unsigned bytes and signed weights of 8 bits, four inputs at once, for instruction sets that
 // have them. word_products.hpp describes the members.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Products for unsigned inputs of 8 bits. The primary template uses products of 16 bits.
 template <std::size_t Lanes>
@@ -143,6 +141,4 @@ struct byte_products<1> {
 
 #endif
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -19,9 +19,7 @@
 // are interleaved, so that a lane holds the pixels of as many rows. Of four such rows, a kernel of three rows
 // with a zero below it computes one row of outputs, and with a zero above it the next.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 namespace detail {
 
@@ -207,6 +205,4 @@ struct depthwise_integer_method {
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -13,9 +13,7 @@
 
 // How the depthwise method cuts a convolution, and lays out inputs and weights.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Multiplies, in each lane, a group of inputs by as many weights. Instruction sets without products of
 /// groups multiply integers of 32 bits.
@@ -128,6 +126,4 @@ struct depthwise_integer_layout {
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -15,9 +15,7 @@
 // (direct_layout.hpp). A block of pixels × vectors of filters stays in registers while all groups are added;
 // then max pool, rounding and ReLU are applied to it.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 namespace detail {
 
@@ -166,6 +164,4 @@ struct direct_integer_method {
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

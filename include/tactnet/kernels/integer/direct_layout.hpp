@@ -16,9 +16,7 @@
 // in the type that the instruction set multiplies, so that a group of inputs that one instruction multiplies
 // is contiguous: channels of one pixel or, if a pixel has fewer, channels of neighbours in a row.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The layout for a fused convolution without groups, from inputs of type `Input`: bytes or words of 16 bits.
 template <frame_convolution C, class Input>
@@ -138,6 +136,4 @@ struct direct_integer_layout {
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

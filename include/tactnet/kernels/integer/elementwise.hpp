@@ -12,9 +12,7 @@
 #include <cstdint>
 #include <type_traits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 namespace detail {
 
@@ -85,6 +83,4 @@ void roots_to_bytes(const Number* from, std::size_t count, std::int32_t zero, fl
     }
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

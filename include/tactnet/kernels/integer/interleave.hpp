@@ -17,9 +17,7 @@
 // inverse. Instructions interleave within 16 bytes, hence the order: lane j of result v holds the bytes at 16
 // (j / 4) + 4 v + j % 4.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The lane of a byte's place, counted over the four results: v × Lanes + j.
 template <std::size_t Lanes>
@@ -127,6 +125,4 @@ template <std::size_t Bytes, std::size_t Count>
     }
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

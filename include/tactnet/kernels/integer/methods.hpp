@@ -15,9 +15,7 @@
 //   pack(weight, to)     into zeros; weight(filter, channel of its group, row, column) is a signed byte
 //   run(packed, epilogue, input, output, workspace)
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The method that computes a convolution of inputs of type `Input`: bytes, or words of 16 bits.
 template <frame_convolution C, class Input>
@@ -25,6 +23,4 @@ using integer_method =
     typename method_list<direct_integer_method<C, Input>, winograd_integer_method<C, Input>,
                          depthwise_integer_method<C, Input>, scalar_depthwise_method<C, Input>>::cheapest;
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -10,9 +10,7 @@
 // to the nearest integer (ties to even) and moved by the zero point. There is one product in single
 // precision, rounded as IEEE 754 requires, and the rest is exact: all instruction sets give the same bytes.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The bytes that a map may hold, and the byte that stands for zero.
 class byte_range {
@@ -149,6 +147,4 @@ struct integer_epilogue {
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

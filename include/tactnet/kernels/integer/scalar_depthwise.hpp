@@ -11,9 +11,7 @@
 #include <cstring>
 #include <type_traits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The depthwise method for cores without vector instructions: the taps of each channel one by one.
 template <frame_convolution C, class Input>
@@ -74,6 +72,4 @@ private:
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

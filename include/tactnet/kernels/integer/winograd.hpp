@@ -15,9 +15,7 @@
 // Winograd convolution of one frame of bytes in integers. winograd_tiles.hpp has the tiles and packs the
 // kernels.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 namespace detail {
 
@@ -208,6 +206,4 @@ struct winograd_integer_method {
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

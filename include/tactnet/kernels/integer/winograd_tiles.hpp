@@ -15,9 +15,7 @@
 // The transform of a 3 × 3 kernel is doubled in each direction, so that ½ becomes 1; the outputs are then
 // four times too large and divided by 4 without a remainder. The sums equal those of the direct method.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// How a convolution of bytes without groups is cut into tiles.
 template <frame_convolution C>
@@ -131,6 +129,4 @@ constexpr void pack_integer_tiles(const Weight& weight, std::int8_t* packed) {
     }
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

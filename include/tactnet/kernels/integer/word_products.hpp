@@ -33,9 +33,7 @@
 //   most_sums  optional: sums that stay in registers, if fewer than of floats
 // clang-format on
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 namespace detail {
 
@@ -244,6 +242,4 @@ struct word_products<4> {
 
 #endif
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

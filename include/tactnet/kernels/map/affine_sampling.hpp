@@ -15,9 +15,7 @@
 // gathers and works on every processor. The image is laid out as pairs of a pixel and the pixel below, so
 // that one load takes 2 × 2 or 2 × 4 pixels.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Positions in an image, in pixels from its first: row = row_start + row_by_row · y + row_by_column · x, and
 /// the column alike, where x and y count from the centre of the output.
@@ -186,6 +184,4 @@ private:
     };
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -8,9 +8,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Convolution of a map with a kernel that is as large as the map and even in both directions, such as an
 /// influence that depends on distance:
@@ -126,6 +124,4 @@ private:
     aligned_vector<double> upright_, lying_;
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

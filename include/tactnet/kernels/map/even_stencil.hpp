@@ -11,9 +11,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Direct convolution of a map with few weights that are even in both directions, in place: faster than
 /// even_convolution for weights that cover some ten cells, and for maps with many empty rows.
@@ -102,6 +100,4 @@ private:
     aligned_vector<float> rows_, pair_, weights_;
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -21,9 +21,7 @@
 // transform is symmetric, so the transposed steps, from N down, turn samples in natural order into a
 // transform in bit-reversed order: convolutions need no reordering.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Transforms of `Size` samples, a power of two. Sample n of the signals is the vector at data + n ·
 /// lanes<double>.
@@ -116,6 +114,4 @@ private:
     std::array<double, quarter> cosines_, sines_;
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

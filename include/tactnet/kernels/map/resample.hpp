@@ -20,9 +20,7 @@
 // Zero times NaN is NaN: `Guarded` passes never multiply by a weight of zero, and are otherwise bit-identical
 // with the others.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Whether all of `Count` elements are finite, and so small that 64 of them can be added in any order.
 template <std::size_t Count>
@@ -218,6 +216,4 @@ template <class Axis, std::size_t Rows, std::size_t FromStride, std::size_t ToSt
         });
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

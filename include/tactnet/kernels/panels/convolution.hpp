@@ -14,9 +14,7 @@
 // part of some outputs before the next is loaded. If an image has neither padding nor gaps that matter, its
 // inputs are read in place, without a copy.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// A convolution cut into bands of outputs and parts of taps. Sizes only.
 struct panel_plan {
@@ -196,6 +194,4 @@ void convolve_panels(const panel_plan& plan, const panel_share& share, const flo
         }
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

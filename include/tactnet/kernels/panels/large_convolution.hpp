@@ -12,9 +12,7 @@
 // thread or several: by Winograd's tiles where these take fewer products, otherwise by panels. The bits of an
 // output do not depend on the number of frames and threads.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Frames whose maps lie so many elements apart, and the share that one thread computes.
 struct large_job {
@@ -133,6 +131,4 @@ struct panel_method : frame_method {
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

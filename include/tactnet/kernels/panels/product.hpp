@@ -13,9 +13,7 @@
 // run-time arguments, so all layers share these few functions. Each output is one chain of multiply-adds in
 // the order of the inputs, whichever rows are computed with it.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The most vectors of filters in a panel: the more, the fewer inputs are read.
 inline constexpr std::size_t most_panel_vectors = vector_registers >= 32 ? 4 : 2;
@@ -193,6 +191,4 @@ void multiply_panels(panel_rows rows, std::size_t count, const filter_panels& pa
     }
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

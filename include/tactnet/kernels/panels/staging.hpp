@@ -8,9 +8,7 @@
 
 // Copies a piece of a map with the padding around it.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 namespace detail {
 
@@ -63,6 +61,4 @@ inline void stage_map(const sliding_window& w, std::size_t input_stride, const f
     }
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

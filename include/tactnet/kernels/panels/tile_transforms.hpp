@@ -11,9 +11,7 @@
 // Transforms of Winograd convolutions by square tiles, for maps that no near cache holds: y = Aᵀ [(G g Gᵀ) ∘
 // (Bᵀ d B)] A, with d the input tile, g the kernel, y the outputs (simd/tile_lines.hpp).
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// to[element][channel] = Bᵀ d B of one tile, whole vectors of channels. Distances in elements.
 template <std::size_t Outputs>
@@ -104,6 +102,4 @@ template <std::size_t Outputs>
     }
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

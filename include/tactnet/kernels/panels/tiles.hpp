@@ -13,9 +13,7 @@
 // Winograd convolutions of maps that no near cache holds: for each element of the transformed tiles, a
 // product of tiles and panels of filters (product.hpp).
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// A convolution cut into tiles. Sizes only.
 struct tile_plan {
@@ -219,6 +217,4 @@ void convolve_tiles(const tile_plan& plan, std::size_t band, const tile_share& s
         convolve_tiles_of<4>(plan, band, share, distances, input, weights, bias, output, memory);
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -15,9 +15,7 @@
 // Finds the row of a matrix nearest to a point. ‖x − w‖² is smallest where x·w − ‖w‖²/2 is largest, so the
 // search is a matrix product whose results stay in registers: it keeps only the largest of each lane.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Rows of `Values` numbers, packed for the search. The result of a point does not depend on other points.
 template <std::size_t Values>
@@ -131,6 +129,4 @@ private:
     aligned_vector<float> packed_, offsets_;
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

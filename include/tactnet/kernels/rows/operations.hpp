@@ -11,9 +11,7 @@
 // Operations on one or two rows: dot products, distances, weighted sums, softmax. Unless a comment says
 // otherwise, rows are aligned and hold whole vectors.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// a · b over `count` floats, a multiple of a cache line. Accumulates short runs in single precision and adds
 /// these in double.
@@ -120,6 +118,4 @@ void softmax_of(std::span<const T> logits, std::span<T> probabilities) noexcept 
         probabilities[i] = static_cast<T>(std::exp(static_cast<double>(logits[i]) - largest) / sum);
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

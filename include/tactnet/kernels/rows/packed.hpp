@@ -11,9 +11,7 @@
 // of use. Unlike a general matrix product, it adds in one fixed order, whatever the number of rows: a row
 // alone is bit-identical with the same row in a batch.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The rows of B. The features of as many rows as fill a panel lie side by side.
 class packed_rows {
@@ -82,6 +80,4 @@ private:
     aligned_vector<float> values_;
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -11,9 +11,7 @@
 // the cost of an error while its tolerance does not. Arrays are aligned, and padded to whole vectors with
 // samples that may not move.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// A sample and the value by which it was selected.
 struct selected_sample {
@@ -107,6 +105,4 @@ struct selected_partner {
     return {best.best(), smallest};
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

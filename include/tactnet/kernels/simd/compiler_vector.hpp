@@ -9,9 +9,7 @@
 // The compiler's own vectors. xsimd has neither the products of bytes that networks in 8 bits are made of,
 // nor conversions that give the same result in all its versions, and xsimd 8 exchanges no lanes.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 namespace detail {
 
@@ -70,6 +68,4 @@ template <class Vector>
     std::memcpy(to, &values, sizeof(values));
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

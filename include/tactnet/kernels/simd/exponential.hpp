@@ -10,9 +10,7 @@
 // exp of a vector, bit-identical with and without SIMD. x = n · ln 2 + r with an integer n and |r| ≤ ln 2 /
 // 2; eʳ is a Taylor series whose first omitted term is below 2⁻²⁷, and n is added to the exponent's bits.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 namespace detail {
 
@@ -65,6 +63,4 @@ inline void negative_exponentials(float* values, std::size_t count, float factor
         store(values + i, exponential(f * load(values + i)));
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -16,9 +16,7 @@
 // continued fractions (Abramowitz, Stegun, Handbook of Mathematical Functions, 4.1.39 with 4.6.33,
 // and 4.3.94), whose steps are a division and a difference, which are rounded alike everywhere.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The normal numbers of a random stream, in chunks that can be computed independently.
 class normal_numbers {
@@ -124,6 +122,4 @@ private:
     std::array<std::uint32_t, 4> counter_;
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -13,9 +13,7 @@
 
 // Vectors along the rows of images, which are not aligned and not a multiple of the lanes.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 template <class Vector, class T>
 [[nodiscard]] [[gnu::always_inline]] inline Vector load_anywhere(const T* from) {
@@ -203,6 +201,4 @@ template <std::size_t Count, std::size_t Lanes, class Vector>
     }
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -9,9 +9,7 @@
 // Vectors with a chosen number of lanes. The widest register is best only if there are enough elements to
 // fill it: eight filters fill a register of eight lanes and half of one of sixteen.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 #ifndef TACTNET_NO_SIMD
 
@@ -82,6 +80,4 @@ inline void add_each_lane(double* totals, const vector<T>& values) {
 template <class Vector, std::size_t Pixels, std::size_t Vectors>
 using register_block = std::array<std::array<Vector, Vectors>, Pixels>;
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

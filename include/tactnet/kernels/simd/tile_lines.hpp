@@ -33,9 +33,7 @@
 //   N = 6:  the first four rows of N = 5 shifted right by one, between 1 0 −5/2 0 1 0 and 0 1 0 −5/2 0 1.
 // clang-format on
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels::detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels::detail {
 
 inline constexpr double root_of_two = 1.41421356237309504880;
 
@@ -236,6 +234,4 @@ tile_weight_line(const std::array<Number, N>& t) {
     return g;
 }
 
-} // namespace kernels::detail
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels::detail

@@ -8,9 +8,7 @@
 #include <cstring>
 #include <utility>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 namespace detail {
 
@@ -65,6 +63,4 @@ void transpose(const T* from, std::size_t features, T* to) {
             to[sample * width + f] = f < features ? from[f * width + sample] : T{};
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -13,9 +13,7 @@
 // loop after the pragma must be a variable, not a call, or GCC 12 ignores the pragma; more than 64 steps stay
 // a loop, correct but slow.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// A number as a type, so that a lambda's argument is a constant.
 template <std::size_t N>
@@ -40,6 +38,4 @@ template <std::size_t Total, std::size_t Block, class Body>
         body(constant<Total % Block>{}, Total / Block * Block);
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

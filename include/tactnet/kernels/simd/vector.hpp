@@ -17,9 +17,7 @@
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 #ifndef TACTNET_NO_SIMD
 
@@ -195,6 +193,4 @@ inline constexpr std::size_t vector_registers = 16;
 /// a fixed cost.
 inline constexpr std::size_t max_block_sums = vector_registers >= 32 ? 24 : 12;
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

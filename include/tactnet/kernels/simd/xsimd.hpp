@@ -26,9 +26,7 @@
 
 // xsimd, and the fused multiply-add that it lacks in old versions.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// a · b + c, rounded once if the instruction set can, at any optimisation level.
 template <std::floating_point T>
@@ -82,9 +80,7 @@ template <class Vector>
 
 #endif
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels
 
 #if !defined(TACTNET_NO_SIMD) && defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic pop

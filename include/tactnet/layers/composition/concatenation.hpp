@@ -13,8 +13,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 template <std::size_t Rows, std::size_t Columns, std::size_t FirstRows, std::size_t FirstColumns>
 concept maps_agree = (Rows == FirstRows) && (Columns == FirstColumns);
@@ -173,5 +172,4 @@ struct concatenation {
     };
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -7,8 +7,7 @@
 #include <tactnet/layers/composition/residual.hpp>
 #include <tactnet/layers/composition/sequence.hpp>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -54,5 +53,4 @@ struct fused_spec<concatenation<Branches...>> {
 template <class List>
 using fused = typename detail::fused_spec<List>::type;
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -15,8 +15,7 @@
 
 // A list of layers bound to an input, and the stages in which a training computes it.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -184,5 +183,4 @@ void for_each_part(const execution_context& context, std::size_t lane_blocks, co
     }
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

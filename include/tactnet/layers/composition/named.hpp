@@ -11,8 +11,7 @@
 // Names for the layers of a list, so that weight files keep the names of their authors. A layer without one
 // has the name of its kind with a number: "conv1", "bn1".
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A string literal as a template argument: named<"expand1x1", …>.
 template <std::size_t Size>
@@ -86,5 +85,4 @@ using sequential = typename detail::by_place<std::index_sequence_for<Specs...>, 
 template <class Spec>
 using without_name = typename detail::without_name<Spec>::type;
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

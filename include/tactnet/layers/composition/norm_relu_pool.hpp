@@ -10,8 +10,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Batch norm, ReLU and max pooling as one layer, with the same results and the arrays of the batch norm. A
 /// window of one pixel means no pooling. Lists are written with the three, and `fused` joins them. If the
@@ -136,5 +135,4 @@ struct norm_relu_pool {
     };
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -9,8 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 template <std::size_t MainRows, std::size_t MainColumns, std::size_t MainChannels, std::size_t SkipRows,
           std::size_t SkipColumns, std::size_t SkipChannels>
@@ -158,5 +157,4 @@ struct residual {
     };
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

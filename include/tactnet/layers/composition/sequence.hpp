@@ -9,8 +9,7 @@
 #include <string_view>
 #include <utility>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Layers one after the other, as one layer. An empty sequence is the identity.
 template <class... Specs>
@@ -239,5 +238,4 @@ struct as_sequence<sequence<Specs...>> {
 template <class Spec>
 using as_sequence = typename detail::as_sequence<Spec>::type;
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

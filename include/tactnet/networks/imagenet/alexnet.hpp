@@ -8,8 +8,7 @@
 // AlexNet (Krizhevsky, Sutskever, Hinton, "ImageNet classification with deep convolutional neural networks",
 // 2012), for images of three channels.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The convolutions of the original: the second, the fourth and the fifth in two groups, and local response
 /// normalisation between the first two and their pools, with the constants of Caffe and MATLAB (k = 1; the
@@ -53,5 +52,4 @@ using alexnet_fc7 =
     network<Input, alexnet_features, named<"avgpool", adaptive_average_pool<6>>,
             named<"classifier", sequential<dropout<50>, dense<Hidden>, relu, dropout<50>, dense<Hidden>>>>;
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

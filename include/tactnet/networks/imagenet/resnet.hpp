@@ -11,8 +11,7 @@
 // images of three channels, by convention 224 × 224. As in torchvision, the 3 × 3 convolution of a bottleneck
 // has its stride (version 1.5), and arrays have torchvision's names.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A convolution with padding that keeps the size of the map at stride 1. The batch norm after it has the
 /// bias.
@@ -95,5 +94,4 @@ using resnet34 = resnet<Input, resnet_basic_features<3, 4, 6, 3>, Classes>;
 template <shape Input, std::size_t Classes = 1000>
 using resnet50 = resnet<Input, resnet_bottleneck_features<3, 4, 6, 3>, Classes>;
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -9,8 +9,7 @@
 // images of three channels, by convention 227 × 227 or 224 × 224, and any other size whose maps hold the
 // windows of the pools. Arrays have torchvision's names.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A fire module: 1 × 1 convolutions squeeze the channels, 1 × 1 and 3 × 3 ones expand them, side by side.
 template <std::size_t Squeeze, std::size_t Expand>
@@ -53,5 +52,4 @@ using squeezenet1_1 = network<Input, squeezenet1_1_features, squeezenet_classifi
 template <shape Input, std::size_t Classes = 1000>
 using squeezenet1_0 = network<Input, squeezenet1_0_features, squeezenet_classifier<Classes>>;
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

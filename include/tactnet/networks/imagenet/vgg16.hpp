@@ -8,8 +8,7 @@
 // VGG16 (Simonyan, Zisserman, "Very deep convolutional networks for large-scale image recognition", 2015,
 // configuration D), for images of three channels, by convention 224 × 224. Arrays have torchvision's names.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A convolution of VGG16.
 template <std::size_t Filters>
@@ -40,5 +39,4 @@ template <shape Input, std::size_t Hidden = 4096>
 using vgg16_fc6 = network<Input, vgg16_features, named<"avgpool", adaptive_average_pool<7>>,
                           named<"classifier", sequential<dense<Hidden>>>>;
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

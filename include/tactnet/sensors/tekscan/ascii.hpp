@@ -23,8 +23,7 @@
 // Rows, columns, the number of frames, the sum of each frame, if given, and the cells without a tactel are
 // checked.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Decodes a text recording. A frame comes out when the next line has been read, which shows that the frame
 /// has no further row. Pressures are converted to pascal. Times are those of the frame lines: see
@@ -255,5 +254,4 @@ private:
     bool announced_ = false; ///< frames have a line 'Frame'
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -19,8 +19,7 @@
 // up to FFFF. FF FE instead of a frame ends the recording. Numbers are little-endian. Cells are raw counts;
 // the unit in the header is for display only.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Decodes a binary recording. The sink gets a frame with its last byte. Frames without a time of their own
 /// are SECONDS_PER_FRAME apart.
@@ -256,5 +255,4 @@ private:
     std::uint64_t first_number_ = 0, last_number_ = 0;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

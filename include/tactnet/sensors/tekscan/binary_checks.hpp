@@ -24,8 +24,7 @@
 // Violations are warnings, since other programs may differ: with an external trigger frames come at any time,
 // and dropped frames leave gaps in the numbers.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The contents of the records of one frame of a binary recording, which may be split anywhere.
 class tekscan_binary_records {
@@ -191,5 +190,4 @@ private:
     std::optional<std::uint64_t> start_; ///< the time of day at which record 2 is zero
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

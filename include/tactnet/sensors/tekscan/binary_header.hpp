@@ -15,8 +15,7 @@
 
 // The text header of a Tekscan binary recording, up to the bytes 0A BB BA.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Collects the bytes of the header and reads it as a whole.
 class tekscan_binary_header {
@@ -100,5 +99,4 @@ private:
     std::optional<decoding_error> problem_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

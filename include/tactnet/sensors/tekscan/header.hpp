@@ -18,8 +18,7 @@
 // the data. Versions differ in keys and units. Keys that matter for the cells are checked; all others are
 // kept.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// An error in a text.
 struct text_problem {
@@ -219,5 +218,4 @@ private:
     tekscan_part part_ = tekscan_part::header;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

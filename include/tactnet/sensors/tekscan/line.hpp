@@ -15,8 +15,7 @@
 // A line of Tekscan's text is read once: `read_header_line` and `read_data_line` return what it is and what
 // it contains, whatever quotes, blanks and separators a spreadsheet has added. Only rows are left to row.hpp.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Whether `c` separates cells, other than a blank.
 [[nodiscard]] constexpr bool is_separator(char c) noexcept {
@@ -196,5 +195,4 @@ private:
     std::optional<double> plain_unit_; ///< seconds per unit of a time without a unit, once known
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -20,8 +20,7 @@
 // Tekscan's maps of sensors (.mp): a text header, and after 'SENSOR_MAP @@', row by row, the position of each
 // cell's tactel in the scan of the electronics: a negative number, 65535 or B for a cell without a tactel.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Decodes a map. It has no frames; its description, with the mask, is complete at the end.
 ///
@@ -136,5 +135,4 @@ private:
     std::vector<std::uint16_t> places_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

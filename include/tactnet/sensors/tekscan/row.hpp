@@ -11,8 +11,7 @@
 // A row of cells in Tekscan's text: numbers, or B for a cell without a tactel, separated by commas,
 // semicolons, tabs or spaces, one kind per row. Nearly all bytes of a recording are read here.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The result of reading a row.
 struct row_outcome {
@@ -125,5 +124,4 @@ inline row_outcome scan_tekscan_row(std::string_view line, double scale, std::sp
     return detail::row_scanner(line, scale).scan(cells, exists, sum);
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

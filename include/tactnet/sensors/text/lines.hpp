@@ -11,8 +11,7 @@
 // Splits text that arrives in pieces into lines that end with LF or CR LF. Only a line split between pieces
 // is copied.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A line without its end.
 struct text_line {
@@ -102,5 +101,4 @@ private:
     bool too_long_ = false;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -18,8 +18,7 @@
 // pressures and lengths are never negative, and no decimal comma, which would be ambiguous. Measures come in
 // the spellings of different versions and countries, and become metres, square metres, seconds and pascal.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A number at the start of a text. `end` is where it ends, or null if there is none that a double can hold.
 struct scanned_number {
@@ -199,5 +198,4 @@ struct scanned_measure {
     return scanned_measure{number.value, trimmed(rest)};
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

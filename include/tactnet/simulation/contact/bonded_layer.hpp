@@ -10,9 +10,7 @@
 #include <cstddef>
 #include <numbers>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// The influence of cells on a bonded layer: that of a half space, Love's exact sum, minus the restraint by
 /// the rigid base, which is smooth on the scale of the thickness. At a distance r from a point force F the
@@ -94,6 +92,4 @@ inline constexpr bonded_layer semi_rigid_sensor{.young = 1e5, .poisson = 0.3, .t
 /// A film on a thick soft body.
 inline constexpr bonded_layer flexible_sensor{.young = 3e4, .poisson = 0.1, .thickness = 12e-3};
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -7,9 +7,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// Presses an object on the array to a force or to a depth.
 struct pressing {
@@ -94,6 +92,4 @@ struct contact {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -6,9 +6,7 @@
 #include <cstddef>
 #include <numbers>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// ∬ 1 / √(x² + y²) over the unit square with its centre at (x, y): Love's deflection of a half space under a
 /// uniform pressure on a rectangle (Phil. Trans. A 228, 1929, 377-420; Johnson, Contact Mechanics, 1985,
@@ -50,6 +48,4 @@ struct elastic_half_space {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

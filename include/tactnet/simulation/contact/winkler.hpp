@@ -10,9 +10,7 @@
 // The fast contact model: independent springs. It is the limit of a compressible elastic layer on a rigid
 // base that is thin compared with the contact (Johnson, Contact Mechanics, 1985, section 4.3).
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// A foundation of springs: pressure = modulus × depth / thickness. By default 3 mm of soft rubber foam.
 struct winkler {
@@ -116,6 +114,4 @@ struct winkler {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

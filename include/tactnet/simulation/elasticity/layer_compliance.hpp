@@ -25,9 +25,7 @@
 // For −1 < ν ≤ ½ both are finite for all x from 0 to infinity, since numerator and denominator are divided by
 // their growing factors.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 namespace detail {
 inline constexpr double endless_wave = 300; ///< beyond this x, e⁻²ˣ is negligible
@@ -84,6 +82,4 @@ inline constexpr double endless_wave = 300; ///< beyond this x, e⁻²ˣ is negl
            (4 * (x * x + m * m) * squared + kappa * rest * rest);
 }
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -16,9 +16,7 @@
 // ≥ 0, one of which is zero in each cell. Conjugate gradients on the cells in contact, which change as
 // pressures fall to zero and gaps close (Polonsky and Keer, Wear 231, 1999, 206-219).
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// When the iteration stops.
 struct contact_accuracy {
@@ -262,6 +260,4 @@ private:
     contact_accuracy accuracy_;
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -12,9 +12,7 @@
 // From the response of an elastic layer to waves to the influence between square cells: the Hankel transform
 // gives the response at a distance, quadrature the mean over a cell.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// The Bessel function J₀ for z ≥ 0, within 1e-11: the power series below 13, and Hankel's asymptotic series
 /// beyond (Abramowitz and Stegun, 9.1.10 and 9.2.5).
@@ -117,6 +115,4 @@ private:
     std::vector<double> values_;
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -13,9 +13,7 @@
 
 // Random objects and poses. Families of objects write lengths in millimetres and angles in degrees.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// One millimetre in metres.
 inline constexpr double mm = 1e-3;
@@ -97,6 +95,4 @@ struct object_family {
     touch (*draw)(drawing&); ///< draws one at random
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

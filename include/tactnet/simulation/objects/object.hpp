@@ -11,8 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace random_purposes {
 inline constexpr random_purpose touch{9}; ///< the object and pose of a simulated touch
@@ -100,5 +99,4 @@ void simulate(Scene& scene, const touch& some, const moment& now, typename Scene
 }
 
 } // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

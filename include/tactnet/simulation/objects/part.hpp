@@ -13,9 +13,7 @@
 // Objects are made of simple bodies that lie on a plane. Only their undersides matter: the height of each
 // point above the plane. Lengths are in metres, angles in radians.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// x along the columns of the array, y along its rows.
 struct point {
@@ -177,6 +175,4 @@ using part = std::variant<rod, arc, plate, relief>;
     return std::visit([&](const auto& some) { return some.height(place); }, body);
 }
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

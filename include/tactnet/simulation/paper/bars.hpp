@@ -10,9 +10,7 @@
 
 // Long objects: bars, bent bars, cables.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation::objects {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation::objects {
 
 /// The mouth of a tube of adhesive: a hairpin with legs beyond the array.
 [[nodiscard]] inline touch adhesive(drawing& draw) {
@@ -126,6 +124,4 @@ namespace detail {
     return detail::straight(draw, draw.within(8, 12) * mm, 1.5e-3, draw.pressed(4.4, 7.8));
 }
 
-} // namespace simulation::objects
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation::objects

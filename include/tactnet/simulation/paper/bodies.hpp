@@ -7,9 +7,7 @@
 // Parts of the human body, which are soft, with wide and faint contacts. Their moduli are of the order
 // measured for the soft tissue of arms (10 to 50 kPa).
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation::objects {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation::objects {
 
 [[nodiscard]] inline touch arm(drawing& draw) {
     const double radius = draw.within(38, 60) * mm, taper = draw.within(-0.2, 0.2);
@@ -65,6 +63,4 @@ namespace simulation::objects {
             soft(draw.pressed(4.4, 8.7), 12e3, 22 * mm)};
 }
 
-} // namespace simulation::objects
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation::objects

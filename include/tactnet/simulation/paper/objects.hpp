@@ -11,9 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// The 22 classes of the paper, in the order of their names.
 inline constexpr std::array<object_family, 22> paper_objects{{
@@ -65,6 +63,4 @@ void simulate_paper_touch(Scene& scene, std::size_t label, std::uint64_t seed, s
     simulate(scene, draw_touch(label, seed, number), {.seed = own, .frame = number}, result);
 }
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

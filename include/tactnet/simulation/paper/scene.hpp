@@ -10,9 +10,7 @@
 #include <tactnet/simulation/effects/storage/jpeg.hpp>
 #include <tactnet/simulation/scene.hpp>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// The array of the paper's images.
 using paper_array = array<tekscan_6077::extents.rows, tekscan_6077::extents.columns>;
@@ -35,6 +33,4 @@ using compliant_scene =
 /// An ideal array.
 using ideal_scene = scene<paper_array, contact<winkler>, saturation, quantisation<8>>;
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -7,9 +7,7 @@
 
 // Compact objects: balls, boxes, bottles, rocks.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation::objects {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation::objects {
 
 [[nodiscard]] inline touch ball(drawing& draw) {
     return {{{rod::sphere({}, draw.within(18, 32) * mm)}, {}},
@@ -89,6 +87,4 @@ namespace simulation::objects {
             soft(draw.pressed(7.5, 21), 2e6, 20 * mm)};
 }
 
-} // namespace simulation::objects
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation::objects

@@ -9,9 +9,7 @@
 
 // Tools and stationery.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation::objects {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation::objects {
 
 /// The sharp jaws of a caliper, and its beam, which is higher.
 [[nodiscard]] inline touch caliper(drawing& draw) {
@@ -142,6 +140,4 @@ namespace simulation::objects {
             draw.pressed(7.4, 14.7)};
 }
 
-} // namespace simulation::objects
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation::objects

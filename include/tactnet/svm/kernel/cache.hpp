@@ -9,8 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Keeps the most recently used rows of a kernel matrix within a memory limit. Rows hold the active samples
 /// only, padded with zeros to whole vectors.
@@ -89,5 +88,4 @@ private:
     std::vector<std::list<entry>::iterator> places_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

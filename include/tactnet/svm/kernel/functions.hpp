@@ -15,8 +15,7 @@
 // Kernels, which measure the similarity of two samples: functions of their product or of their squared
 // distance, which are computed for whole matrices at once.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// x · y
 struct linear_kernel {
@@ -75,5 +74,4 @@ concept svm_kernel = requires(const Kernel kernel, feature_rows<> rows, float* v
     kernel.apply(values, count, 1.0);
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

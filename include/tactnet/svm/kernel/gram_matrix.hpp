@@ -15,8 +15,7 @@
 // one product computes for all problems over the same samples, or computed one by one if the matrix is too
 // large.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A kernel of all pairs of samples.
 class gram_matrix {
@@ -119,5 +118,4 @@ private:
     aligned_vector<float> scratch_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

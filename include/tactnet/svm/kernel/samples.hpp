@@ -15,8 +15,7 @@
 // Samples of a training set for solvers. Problems over the same samples share one kernel matrix if it fits
 // into the allowed memory; searches for γ share its distances.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Samples placed for a kernel, with the products or squared distances of all pairs if these fit.
 template <svm_kernel Kernel>
@@ -90,5 +89,4 @@ private:
     std::optional<gram_matrix> gram_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

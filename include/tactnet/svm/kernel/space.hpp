@@ -20,8 +20,7 @@
 // taken around the middle of the samples and in a unit of their size, and close pairs are measured once more
 // directly.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Samples in the coordinates of a kernel space.
 struct placed_rows {
@@ -187,5 +186,4 @@ private:
     float scale_ = 1;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

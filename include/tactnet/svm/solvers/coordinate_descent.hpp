@@ -20,8 +20,7 @@
 // descent method for large-scale linear SVM", ICML 2008): one sample at a time, in random order, with
 // shrinking.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The loss of a linear machine.
 enum class linear_loss {
@@ -192,5 +191,4 @@ private:
     bool underflows_ = false; ///< a step of the pass was lost in single precision
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

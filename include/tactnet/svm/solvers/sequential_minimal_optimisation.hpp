@@ -18,8 +18,7 @@
 // with the gradient g = y − K β. A pair of samples is optimal when none that may rise has a larger g than one
 // that may fall.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Options of the solver.
 struct solver_options {
@@ -219,5 +218,4 @@ private:
     aligned_vector<double> gradient_, diagonal_, up_, low_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

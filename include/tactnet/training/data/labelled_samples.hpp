@@ -21,8 +21,7 @@
 #include <utility>
 #include <variant>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
@@ -197,8 +196,7 @@ private:
     images_as_taken taken_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet
 
 template <class T>
 inline constexpr bool std::ranges::enable_borrowed_range<tactnet::lasting_span<T>> = true;

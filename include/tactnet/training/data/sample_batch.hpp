@@ -9,8 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Interleaved samples as in tensor/batch.hpp, of a size known at run time.
 class sample_batch {
@@ -90,5 +89,4 @@ private:
     std::vector<float> at_work_; ///< an image for each thread
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -9,8 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Shares of each class, by default the paper's 32, 8 and 10 of 50. Remainders of the rounding go to
 /// training.
@@ -68,5 +67,4 @@ enum class split_rule {
     return result;
 }
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -15,8 +15,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The samples of each epoch of a training: their order, their batches and the augmentation of images, all
 /// functions of (seed, epoch, sample).
@@ -119,5 +118,4 @@ inline void check_batches(trainable& network, const epoch_samples& shown) {
 
 } // namespace detail
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

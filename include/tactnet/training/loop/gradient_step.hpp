@@ -13,10 +13,7 @@
 #include <span>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-
-namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 /// The perturbation of sharpness-aware minimisation (Foret et al., 2021): parameters move along their
 /// gradient, the gradient for the step is taken there, and the parameters move back. That gradient is small
@@ -143,7 +140,4 @@ private:
     sample_batch out_, out_gradient_;
 };
 
-} // namespace detail
-
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::detail

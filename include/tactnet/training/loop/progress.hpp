@@ -11,8 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// One epoch of a training.
 struct epoch_report {
@@ -133,5 +132,4 @@ inline void check_squares(std::span<const float> second_moments, const epoch_rep
 
 } // namespace detail
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

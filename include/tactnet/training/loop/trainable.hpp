@@ -16,8 +16,7 @@
 #include <utility>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The interface of a network of any type for training: its arrays and a few calls. Code that uses it
 /// compiles once for all networks. trainable_network implements it.
@@ -158,5 +157,4 @@ private:
     Network network_;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

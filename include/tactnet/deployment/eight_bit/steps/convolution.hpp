@@ -10,8 +10,7 @@
 #include <cstdint>
 #include <type_traits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A convolution in 8 bits with its epilogue, by the method of least cost.
 template <class Input, class Output, kernels::frame_convolution Kernel>
@@ -119,5 +118,4 @@ struct dense_step<eight_bit_between<Input, Output>, Kernel>
     static constexpr kernels::frame_dense kernel = Kernel;
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -11,8 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// An elementwise activation in 8 bits: a clamp of bytes for a ReLU, otherwise a table with an output for
 /// each byte.
@@ -146,5 +145,4 @@ public:
     }
 };
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

@@ -12,8 +12,7 @@
 #include <cstdint>
 #include <type_traits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A max pool in 8 bits: the largest byte stands for the largest number.
 template <sliding_window Window, std::size_t Stride>
@@ -79,5 +78,4 @@ struct average_pool_step<eight_bit_between<std::int16_t, Output>, Windows, Chann
     : average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>,
       detail::cannot_read_the_frame<Stride> {};
 
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}} // namespace tactnet

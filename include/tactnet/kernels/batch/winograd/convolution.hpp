@@ -15,9 +15,7 @@
 // register blocks of output channels × tiles as in direct_convolution.hpp. The sum over the channels runs in
 // their order, whatever the blocking.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Converts and stores the first `count` lanes.
 template <class T>
@@ -230,6 +228,4 @@ private:
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

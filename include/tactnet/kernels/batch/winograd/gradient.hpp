@@ -19,9 +19,7 @@
 // arguments. A vector holds channels, or filters, of one sample, so that each lane is a sum of its own; the
 // other factor is broadcast. The sums stay in the transformed domain until the end of a batch.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Accumulates one element of one block over a band: totals[number][lane] += Σ over tiles and samples.
 template <std::size_t Numbers, std::size_t Vectors, class T>
@@ -209,6 +207,4 @@ private:
     }
 };
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -9,9 +9,7 @@
 
 // How a weight gradient by tiles is blocked, and its cost.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Register blocks of weights: vectors that hold either channels or filters, times broadcast numbers of the
 /// other kind.
@@ -77,6 +75,4 @@ template <class T>
            (tiles.count() * (2 * weights + transform_cost(tiles.side) * transformed) + 2 * bands * weights);
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

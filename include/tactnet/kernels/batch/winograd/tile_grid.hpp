@@ -11,9 +11,7 @@
 // follow from the sizes alone, so that a network is trained to the same bits on all cores.
 // simd/tile_lines.hpp has the transforms in one dimension.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// A map cut into tiles of `outputs` outputs.
 struct tile_grid {
@@ -94,6 +92,4 @@ template <batch_convolution C, class T>
     return winograd_possible(c, 2) ? cheapest_tile(c, direct_cost(c), winograd_possible, winograd_cost) : 0;
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

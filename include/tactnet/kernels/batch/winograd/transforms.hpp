@@ -12,9 +12,7 @@
 // The transforms of input tiles and of tiles of the output gradient. A plane is a channel of a lane block or,
 // in a transposed map, some channels of one sample.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace kernels {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// How the planes of a map lie in memory.
 struct plane_layout {
@@ -146,6 +144,4 @@ transform_gradient_tile(const T* gradient, plane_layout layout, std::size_t tile
         });
 }
 
-} // namespace kernels
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::kernels

@@ -6,9 +6,7 @@
 #include <array>
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// The fast model of crosstalk: each tactel also reads a fraction of its neighbours along its row and column
 /// lines. For a whole matrix of resistors, see resistive_network.
@@ -48,6 +46,4 @@ struct crosstalk {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -7,9 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// Tactels, rows and columns that always read zero: given ones, and random ones per sensor. A tactel that is
 /// dead at one probability is also dead at every greater one.
@@ -71,6 +69,4 @@ struct dead_tactels {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -11,9 +11,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// Independent normal noise per tactel and frame, of the standard deviation √(additive² + (relative ·
 /// pressure)²). Readings may be negative before threshold and converter.
@@ -84,6 +82,4 @@ struct noise {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -7,9 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// The converter: pressures are rounded to counts and clamped to 0 … Levels − 1.
 template <std::size_t Levels>
@@ -43,6 +41,4 @@ struct quantisation_levels {
 template <std::size_t Bits>
 using quantisation = quantisation_levels<(std::size_t{1} << std::min(Bits, std::size_t{17}))>;
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -11,9 +11,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 namespace detail {
 
@@ -158,6 +156,4 @@ struct resistive_network {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

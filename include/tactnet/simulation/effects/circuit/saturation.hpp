@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// Clamps pressures at the limit of the circuit, by default that of the paper's sensor.
 struct saturation {
@@ -30,6 +28,4 @@ struct saturation {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -5,9 +5,7 @@
 #include <cstddef>
 #include <limits>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// Sets pressures below the threshold to zero, as the electronics of tactile arrays do to suppress noise: the
 /// paper's images are exactly zero away from the object.
@@ -33,6 +31,4 @@ struct threshold {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -4,9 +4,7 @@
 
 #include <cmath>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// Increases readings under a constant load, by the factor 1 + rate · log₁₀(1 + t / time) at the time t since
 /// the start of the touch (moment.seconds).
@@ -32,6 +30,4 @@ struct creep {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

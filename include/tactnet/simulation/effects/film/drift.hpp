@@ -6,9 +6,7 @@
 
 #include <array>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// Changes readings under load linearly with time, by the factor 1 + rate · t at the time t since the start
 /// of the touch (moment.seconds), clamped at zero. The rate is normally distributed over sensors.
@@ -41,6 +39,4 @@ struct drift {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

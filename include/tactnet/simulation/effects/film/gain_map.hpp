@@ -8,9 +8,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// A gain per tactel, which is a property of the sensor. Gains are independent and log-normal with mean one,
 /// as in the 1100 images of the paper's sensor: a fixed pattern (correlation of 0.95 between two halves of
@@ -52,6 +50,4 @@ struct gain_map {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

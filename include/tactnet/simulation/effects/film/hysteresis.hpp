@@ -7,9 +7,7 @@
 #include <array>
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// Lowers readings while pressure rises and raises them while it falls: a sum of play operators (the
 /// Prandtl-Ishlinskii model; Krasnosel'skii, Pokrovskii, Systems with Hysteresis, 1989):
@@ -72,6 +70,4 @@ struct hysteresis {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

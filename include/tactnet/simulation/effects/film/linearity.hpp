@@ -6,9 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// A nonlinear response: x = p / full_scale becomes x · (1 + b) / (1 + b · x), which is exact at zero and at
 /// full scale, and too high, as films saturate, or too low between. Above full scale it is linear.
@@ -45,6 +43,4 @@ struct linearity {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -2,9 +2,7 @@
 
 #include <tactnet/simulation/effect.hpp>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// Scales readings with temperature, by the factor 1 + sensitivity · (T − calibrated) at T = moment.celsius,
 /// clamped at zero.
@@ -30,6 +28,4 @@ struct temperature {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -7,9 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// The granularity of a resistive film, which conducts through many tiny contacts between rough sides. Their
 /// number grows with the pressure, and varies by its square root: the standard deviation of the reading of a
@@ -48,6 +46,4 @@ struct film_texture {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -11,9 +11,7 @@
 #include <numbers>
 #include <vector>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// The fraction of the force on a cell that reaches the film under a cell that many rows and columns away
 /// through a bonded layer: the transfer function of the layer as a function of distance, averaged over both
@@ -106,6 +104,4 @@ struct elastic_pad {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -4,9 +4,7 @@
 
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// Averages the pressure on each tactel. A scene with this effect computes contact and pad on `Cells` ×
 /// `Cells` cells per tactel, else on one cell per tactel.
@@ -39,6 +37,4 @@ struct tactel_average {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -12,9 +12,7 @@
 // multiplications", 1989) with constants of 13 bits and two more bits between the passes, as libjpeg's
 // default, to which it is bit-identical.
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// A block, row by row, or the divisors of its frequencies.
 using jpeg_block = std::array<std::int32_t, 64>;
@@ -189,6 +187,4 @@ struct jpeg_storage {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation

@@ -6,9 +6,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace tactnet {
-inline namespace TACTNET_ARCH {
-namespace simulation {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// Resizes counts as the paper makes its smaller images: bicubic, then rounded. The same size changes
 /// nothing.
@@ -42,6 +40,4 @@ struct resolution {
     };
 };
 
-} // namespace simulation
-} // namespace TACTNET_ARCH
-} // namespace tactnet
+}}} // namespace tactnet::simulation
