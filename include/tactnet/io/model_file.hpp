@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/function_ref.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/file_name.hpp>
 #include <tactnet/io/model_description.hpp>
@@ -14,7 +15,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -41,7 +41,7 @@ struct stored_model {
 };
 
 /// model::logits of any network.
-using logits_function = std::function<std::vector<float>(std::span<const std::uint8_t>)>;
+using logits_function = detail::function_ref<std::vector<float>(std::span<const std::uint8_t>)>;
 
 namespace detail {
 
