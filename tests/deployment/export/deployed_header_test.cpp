@@ -88,13 +88,15 @@ TEST_CASE("deployed_header: the folded numbers to the bit") {
 }
 
 TEST_CASE("deployed_header: names of namespaces") {
-    for (const char* good :
-         {"a", "gripper", "gripper::tactile", "g2_x::y", "classes", "null", "asserts::x", "mains"})
+    for (const char* good : {"a", "gripper", "gripper::tactile", "g2_x::y", "classes", "null", "asserts::x",
+                             "mains", "gripper::time", "timer", "ABB", "Left_2", "x_"})
         CHECK_MESSAGE(tactnet::is_namespace_name(good), good);
-    for (const char* bad : {"",       "2a",  "a-b",    "a b",   "a::",    "::a",      "a:b",
-                            "a:::b",  "_a",  "a__b",   "class", "a::int", "std",      "tactnet::x",
-                            "a::std", "é",   "a\n",    "a;b",   "a:",     ":",        "static static_assert",
-                            "NULL",   "EOF", "assert", "posix", "main",   "a::errno", "INT_MAX"})
+    for (const char* bad :
+         {"",       "2a",         "a-b",    "a b",   "a::",    "::a",      "a:b",
+          "a:::b",  "_a",         "a__b",   "class", "a::int", "std",      "tactnet::x",
+          "a::std", "é",          "a\n",    "a;b",   "a:",     ":",        "static static_assert",
+          "NULL",   "EOF",        "assert", "posix", "main",   "a::errno", "INT64_MAX",
+          "M_PI",   "a::DBL_MIN", "memcpy", "time",  "abs::x", "y0"})
         CHECK_FALSE_MESSAGE(tactnet::is_namespace_name(bad), bad);
 }
 

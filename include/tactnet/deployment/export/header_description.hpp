@@ -33,11 +33,12 @@ struct header_description {
     std::optional<packing> when = {}; ///< by default usual_packing
 };
 
-/// Whether a text is an identifier, or several with :: between, that a program may define: no keyword, no
-/// reserved name, no macro of the standard library's, and neither `tactnet` nor `std`, which would hide the
-/// real ones.
+/// Whether a text is an identifier, or several with :: between, that a program may define as namespaces: no
+/// keyword, no reserved name, nothing that looks like a macro (CAPITALS_WITH_UNDERSCORES), and neither
+/// `tactnet` nor `std`, which would hide the real ones. The first one is no common function of the C library,
+/// such as `time`; which others there are differs from system to system.
 [[nodiscard]] inline bool is_namespace_name(std::string_view text) {
-    constexpr std::string_view keywords =
+    constexpr std::string_view never =
         " alignas alignof and and_eq asm auto bitand bitor bool break case catch char char16_t char32_t "
         "char8_t class co_await co_return co_yield compl concept const const_cast consteval constexpr "
         "constinit continue decltype default delete do double dynamic_cast else enum explicit export extern "
@@ -46,19 +47,28 @@ struct header_description {
         "sizeof static static_assert static_cast struct switch template this thread_local throw true try "
         "typedef typeid typename union unsigned using virtual void volatile wchar_t while xor xor_eq "
         "main posix std tactnet linux unix " // the last two are macros of GCC and Clang by default
-        "BUFSIZ CHAR_BIT CHAR_MAX CHAR_MIN CLOCKS_PER_SEC EDOM EILSEQ EOF ERANGE EXIT_FAILURE EXIT_SUCCESS "
-        "FILENAME_MAX FLT_MAX FOPEN_MAX HUGE_VAL INFINITY INT_MAX INT_MIN LONG_MAX LONG_MIN MB_CUR_MAX NAN "
-        "NULL "
-        "RAND_MAX SEEK_CUR SEEK_END SEEK_SET SIGABRT SIGINT SIGTERM SIZE_MAX TMP_MAX UINT_MAX WEOF assert "
-        "errno offsetof setjmp stderr stdin stdout va_arg va_copy va_end va_start ";
+        "BUFSIZ EDOM EILSEQ EOF ERANGE INFINITY NAN NULL SIGABRT SIGINT SIGTERM WEOF "
+        "assert errno offsetof setjmp stderr stdin stdout va_arg va_copy va_end va_start ";
+    constexpr std::string_view never_first =
+        " abort abs acos asin atan calloc ceil clock cos div erf exit exp floor free gamma getenv hypot "
+        "index "
+        "isnan log log2 lround malloc memchr memcmp memcpy memmove memset nan pow printf putchar puts qsort "
+        "rand realloc remove rename rint round scanf signal sin sqrt sscanf strcmp strlen system tan time "
+        "trunc y0 y1 yn ";
     const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
-    for (;;) {
+    const auto small = [](char c) { return c >= 'a' && c <= 'z'; };
+    for (bool first = true;; first = false) {
         const std::string_view name = text.substr(0, text.find(':'));
+        const auto stands_in = [word = std::string(1, ' ').append(name).append(1, ' ')](
+                                   std::string_view names) { return names.find(word) != names.npos; };
+        const auto is_macro = [&] {
+            return name.find('_') != name.npos && std::none_of(name.begin(), name.end(), small);
+        };
         if (name.empty() || name[0] == '_' || !letter(name[0]) ||
             !std::all_of(name.begin(), name.end(),
                          [&](char c) { return letter(c) || (c >= '0' && c <= '9'); }) ||
-            name.find("__") != std::string_view::npos ||
-            keywords.find(std::string(1, ' ').append(name).append(1, ' ')) != std::string_view::npos)
+            name.find("__") != name.npos || stands_in(never) || (first && stands_in(never_first)) ||
+            is_macro())
             return false;
         if (name.size() == text.size())
             return true;
