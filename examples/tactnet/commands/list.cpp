@@ -5,6 +5,7 @@
 #include "methods/registry.hpp"
 #include "number_options.hpp"
 #include "reports/report.hpp"
+#include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
