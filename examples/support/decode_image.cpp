@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <cstring>
 #include <new>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -54,9 +55,10 @@ struct raster {
 /// What went wrong. The decoders' own errors leave by longjmp, which must not pass over C++ objects, so
 /// nothing is thrown or put into words before they have returned.
 struct failure {
-    enum class reason { damaged, channels, depth, size };
+    enum class reason { damaged, channels, depth, size, orientation };
 
     reason why = reason::damaged;
+    unsigned orientation = 1; ///< by EXIF; upright
     /// The decoder's own words, for a damaged file.
     std::array<char, JMSG_LENGTH_MAX> message{};
 
@@ -65,6 +67,26 @@ struct failure {
         return false;
     }
 };
+
+/// How EXIF data, which begin with the header of a TIFF file, want the image to be shown: 1 is upright, 2 to
+/// 8 are turned or mirrored. 1 where they do not say, or are damaged.
+unsigned exif_orientation(std::span<const unsigned char> tiff) {
+    const bool little = tiff.size() > 1 && tiff[0] == 'I' && tiff[1] == 'I';
+    // A number of `bytes` bytes; 0 beyond the end.
+    const auto number = [&](std::size_t at, std::size_t bytes) {
+        std::size_t value = 0;
+        for (std::size_t i = 0; i < bytes && at + bytes <= tiff.size(); ++i)
+            value = value << 8 | tiff[little ? at + bytes - 1 - i : at + i];
+        return value;
+    };
+    const std::size_t directory = number(4, 4), entries = number(directory, 2);
+    for (std::size_t i = 0; i < entries; ++i) {
+        const std::size_t entry = directory + 2 + 12 * i, value = number(entry + 8, 2);
+        if (number(entry, 2) == 0x0112 && value >= 1 && value <= 8)
+            return static_cast<unsigned>(value);
+    }
+    return 1;
+}
 
 struct jpeg_errors {
     jpeg_error_mgr manager; // first, since libjpeg hands back a pointer to it
@@ -123,7 +145,15 @@ bool decode_jpeg(jpeg_decoder& decoder, const std::vector<std::byte>& bytes, ras
     info.progress = &decoder.progress;
     jpeg_mem_src(&info, reinterpret_cast<const unsigned char*>(bytes.data()),
                  static_cast<unsigned long>(bytes.size()));
+    jpeg_save_markers(&info, JPEG_APP0 + 1, 0xFFFF);
     jpeg_read_header(&info, TRUE);
+    for (const auto* marker = info.marker_list; marker != nullptr; marker = marker->next) {
+        const std::span data(marker->data, marker->data_length);
+        if (data.size() > 6 && std::memcmp(data.data(), "Exif\0", 6) == 0)
+            result.orientation = exif_orientation(data.subspan(6));
+    }
+    if (result.orientation != 1)
+        return result.set(failure::reason::orientation);
     image.channels = static_cast<std::size_t>(info.num_components);
     if (image.channels != 1 && image.channels != 3)
         return result.set(failure::reason::channels);
@@ -194,6 +224,12 @@ bool decode_png(png_decoder& decoder, raster& image, failure& result) {
     png_read_info(png, info);
     if (png_get_bit_depth(png, info) == 16)
         return result.set(failure::reason::depth);
+    png_uint_32 exif_size = 0;
+    png_bytep exif = nullptr;
+    if (png_get_eXIf_1(png, info, &exif_size, &exif) != 0)
+        result.orientation = exif_orientation({exif, exif_size});
+    if (result.orientation != 1)
+        return result.set(failure::reason::orientation);
     // Palettes, few bits and transparent colours become plain 8-bit channels; no gamma is applied.
     png_set_expand(png);
     static_cast<void>(png_set_interlace_handling(png));
@@ -241,6 +277,10 @@ grey_image to_grey(const std::string& file, const raster& image) {
         throw file_error(
             file, kind, "1 to " + std::to_string(largest_image_side) + " rows and as many columns",
             std::to_string(image.rows) + " rows and " + std::to_string(image.columns) + " columns");
+    case failure::reason::orientation:
+        throw file_error(file, kind, "an upright image, EXIF orientation 1",
+                         "orientation " + std::to_string(result.orientation) +
+                             ", by which viewers turn or mirror it");
     case failure::reason::damaged:
         break;
     }

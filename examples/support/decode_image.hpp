@@ -16,8 +16,8 @@ inline constexpr std::size_t largest_image_side = 8192;
 
 /// Decodes a JPEG or PNG file; the content decides which, not the name. Colour is accepted where red, green
 /// and blue are equal, an alpha channel where it is opaque, 1, 2 and 4 bits and palettes where they stand for
-/// such greys. Throws tactnet::file_error for everything else: 16 bits, colours, damage, even where a decoder
-/// would go on.
+/// such greys. Throws tactnet::file_error for everything else: 16 bits, colours, an orientation in EXIF
+/// data that viewers turn the image by, and damage, even where a decoder would go on.
 tactnet::grey_image decode_image(const std::filesystem::path& path);
 
 /// Writes 8-bit grey values, row-major, as a PNG file, all or nothing.

@@ -104,6 +104,23 @@ samples make_png(std::size_t rows, std::size_t columns, int depth, int colour, c
     return file;
 }
 
+/// EXIF data with the orientation alone, in the order of bytes of "II" (little-endian) or "MM".
+samples exif(char order, std::uint8_t orientation) {
+    const auto kind = static_cast<std::uint8_t>(order);
+    if (order == 'I')
+        return {kind, kind, 42, 0, 8, 0,           0, 0, 1, 0, 0x12, 1, 3,
+                0,    1,    0,  0, 0, orientation, 0, 0, 0, 0, 0,    0, 0};
+    return {kind, kind, 0, 42, 0, 0, 0, 8, 0, 1, 1, 0x12, 0, 3, 0, 0, 0, 1, 0, orientation, 0, 0, 0, 0, 0, 0};
+}
+
+/// A JPEG file with EXIF data behind its first marker.
+samples with_exif(samples jpeg, const samples& data) {
+    samples marker{0xFF, 0xE1, 0, static_cast<std::uint8_t>(data.size() + 8), 'E', 'x', 'i', 'f', 0, 0};
+    marker.insert(marker.end(), data.begin(), data.end());
+    jpeg.insert(jpeg.begin() + 2, marker.begin(), marker.end());
+    return jpeg;
+}
+
 class decoder {
 public:
     tactnet::grey_image operator()(const samples& file) {
@@ -167,6 +184,37 @@ TEST_SUITE("examples/decode_image") {
               "JPEG data: expected one grey channel, or red, green and blue, found 4 channels");
         CHECK(decode.error(make_jpeg(1, 8193, JCS_GRAYSCALE, 1, samples(8193))) ==
               "JPEG data: expected 1 to 8192 rows and as many columns, found 1 rows and 8193 columns");
+    }
+
+    TEST_CASE(
+        "decode_image: an image that viewers turn is refused; upright ones and damaged EXIF data are not") {
+        decoder decode;
+        const samples pixels = gradient(9, 5), jpeg = make_jpeg(9, 5, JCS_GRAYSCALE, 1, pixels);
+        const auto png = [&](samples data) {
+            return make_png(9, 5, 8, PNG_COLOR_TYPE_GRAY, pixels, [&](png_structp to, png_infop info) {
+                png_set_eXIf_1(to, info, static_cast<png_uint_32>(data.size()), data.data());
+            });
+        };
+        for (const char order : {'I', 'M'}) {
+            check_close(decode(with_exif(jpeg, exif(order, 1))), 9, 5, pixels);
+            check_equal(decode(png(exif(order, 1))), 9, 5, pixels);
+            for (std::uint8_t turned = 2; turned <= 8; ++turned) {
+                const std::string message =
+                    " data: expected an upright image, EXIF orientation 1, found orientation " +
+                    std::to_string(turned) + ", by which viewers turn or mirror it";
+                CHECK(decode.error(with_exif(jpeg, exif(order, turned))) == "JPEG" + message);
+                CHECK(decode.error(png(exif(order, turned))) == "PNG" + message);
+            }
+            // No orientation, or one that does not exist.
+            check_close(decode(with_exif(jpeg, exif(order, 0))), 9, 5, pixels);
+            check_close(decode(with_exif(jpeg, exif(order, 9))), 9, 5, pixels);
+            const samples whole = exif(order, 6);
+            for (std::size_t size = 1; size <= 18; ++size)
+                check_close(
+                    decode(with_exif(
+                        jpeg, samples(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)))),
+                    9, 5, pixels);
+        }
     }
 
     TEST_CASE("decode_image: JPEG cut short anywhere is an error") {
