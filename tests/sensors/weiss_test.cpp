@@ -111,7 +111,7 @@ TEST_CASE("weiss_decoder: a stream may be joined anywhere; answers to commands a
     CHECK(decoder.finish(tactnet::ignore_frames{}) == decode_status::finished);
     CHECK(frames == std::vector{plain_cells, runs_cells});
     CHECK(decoder.skipped_bytes() == 4 + 1 + 6);
-    CHECK(decoder.damaged_packets() == 0);
+    CHECK(decoder.damaged_packets() == 1); // the header of a packet larger than any, not the longer preamble
     CHECK(sensors_test::same_however_split(weiss_wts(array), span_of(stream)));
     const bytes whole = packet(0, plain, 0) + packet(0, runs, 0);
     for (std::size_t from = 0; from < whole.size(); ++from) {
@@ -131,6 +131,20 @@ TEST_CASE("weiss_decoder: a damaged frame is reported, and no other is lost") {
         CHECK(decoder.damaged_packets() >= 1);
         CHECK(decoder.error().place() == "byte 25, frame 2");
         CHECK(decoder.error().expected.find("a checksum of") == 0);
+    }
+    // Any flipped bit, of the header too; as many packets follow as the largest size may reach into.
+    for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+        bytes stream = good + good;
+        stream[good.size() + bit / 8] ^= static_cast<std::uint8_t>(1U << bit % 8);
+        for (int following = 0; following < 12; ++following)
+            stream = stream + good;
+        const auto found = sensors_test::decode(weiss_wts(array), span_of(stream));
+        weiss_wts decoder(array);
+        CHECK(decoder.push(span_of(stream), tactnet::ignore_frames{}) == decode_status::damaged);
+        CHECK(decoder.damaged_packets() >= 1);
+        CHECK(found.frames.size() == 13);
+        for (const sensors_test::kept_frame& frame : found.frames)
+            CHECK(frame.cells == plain_cells);
     }
     // A size that reaches into the packets behind.
     bytes longer = good;

@@ -57,10 +57,12 @@ struct weiss_array {
 /// Which bytes the checksum covers.
 enum class weiss_coverage : std::uint8_t { whole_packet, without_preamble };
 
-/// Decodes a live stream of packets, which may be joined at any byte. Bytes outside of packets are counted
-/// and skipped, and so are packets with other identifiers, which answer commands. A packet with a wrong
-/// checksum or a frame of another size is reported as damaged, and decoding continues after it. A push that
-/// reports damage has taken all its bytes: `error` describes the last damage, `damaged_packets` counts all.
+/// Decodes a live stream of packets, which may be joined at any byte: bytes up to the first packet are
+/// counted and skipped. Packets with other identifiers, which answer commands, are skipped too. After a
+/// packet, bytes that do not begin one are reported as damaged (further preamble is not), and so is a packet
+/// with a wrong checksum or a frame of another size; decoding continues after it. A push that reports damage
+/// has taken all its bytes: `error` describes the last damage, `damaged_packets` counts all. The checksum of
+/// these controllers does not find every pair of flipped bits.
 ///
 /// Memory: one frame of four bytes per cell and one packet of two bytes per cell and 13 more, but at least
 /// 263 and at most 65 543.
@@ -142,15 +144,23 @@ private:
         const auto given = little_endian<std::uint16_t>(packet.subspan(header_size + size));
         if (given != checksum) {
             report(byte_ - packet.size(), {"a checksum of ", checksum}, {given});
+            in_step_ = false;
             return skip_one();
         }
         if (packet[preamble_size] == frame_identifier)
             read_frame(packet.subspan(header_size, size), sink);
-        buffer_.clear();
+        // More may follow where a damaged size has reached into the packets behind.
+        buffer_.erase(buffer_.begin(),
+                      buffer_.begin() + static_cast<std::ptrdiff_t>(header_size + size + checksum_size));
+        in_step_ = true;
         return true;
     }
 
     bool skip_one() {
+        if (in_step_ && buffer_.front() != preamble) {
+            report(byte_ - buffer_.size(), {"a packet"}, {"other bytes"});
+            in_step_ = false;
+        }
         ++skipped_;
         buffer_.erase(buffer_.begin());
         return true;
@@ -190,6 +200,7 @@ private:
     std::vector<std::byte> buffer_;
     std::size_t byte_ = 0;
     std::uint64_t damaged_ = 0, skipped_ = 0;
+    bool in_step_ = false; ///< after a whole packet, perhaps with more preamble
 };
 
 /// Decodes frames of a WTS sensor, whose checksum covers the whole packet. See weiss_decoder.
