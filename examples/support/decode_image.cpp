@@ -75,7 +75,7 @@ unsigned exif_orientation(std::span<const unsigned char> tiff) {
     // A number of `bytes` bytes; 0 beyond the end.
     const auto number = [&](std::size_t at, std::size_t bytes) {
         std::size_t value = 0;
-        for (std::size_t i = 0; i < bytes && at + bytes <= tiff.size(); ++i)
+        for (std::size_t i = 0; i < bytes && at < tiff.size() && tiff.size() - at >= bytes; ++i)
             value = value << 8 | tiff[little ? at + bytes - 1 - i : at + i];
         return value;
     };

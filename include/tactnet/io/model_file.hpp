@@ -40,7 +40,7 @@ struct stored_model {
     std::vector<std::string> classes;
 };
 
-/// model::logits of any network.
+/// model::logits of any network, as an argument: a reference, which must not outlive what it refers to.
 using logits_function = detail::function_ref<std::vector<float>(std::span<const std::uint8_t>)>;
 
 namespace detail {

@@ -51,10 +51,9 @@ struct header_description {
         "assert errno offsetof setjmp stderr stdin stdout va_arg va_copy va_end va_start ";
     constexpr std::string_view never_first =
         " abort abs acos asin atan calloc ceil clock cos div erf exit exp floor free gamma getenv hypot "
-        "index "
-        "isnan log log2 lround malloc memchr memcmp memcpy memmove memset nan pow printf putchar puts qsort "
-        "rand realloc remove rename rint round scanf signal sin sqrt sscanf strcmp strlen system tan time "
-        "trunc y0 y1 yn ";
+        "index isnan log log2 lround malloc memchr memcmp memcpy memmove memset nan pow printf putchar puts "
+        "qsort rand realloc remove rename rint round scanf signal sin sqrt sscanf strcmp strlen system tan "
+        "time trunc y0 y1 yn ";
     const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
     const auto small = [](char c) { return c >= 'a' && c <= 'z'; };
     for (bool first = true;; first = false) {
