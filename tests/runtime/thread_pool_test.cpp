@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <fstream>
+#include <memory>
 #include <new>
 #include <system_error>
 #include <thread>
@@ -120,6 +122,33 @@ TEST_CASE("thread_pool: made and left in a row, used or not") {
             pool.for_each(8, [&](std::size_t) { ++sum; });
     }
     CHECK(sum == 800);
+}
+
+TEST_CASE("thread_pool: destroyed during a call of another thread, it waits for the call") {
+    for (int round = 0; round < 30; ++round) {
+        const bool throws = round % 2 == 1;
+        std::atomic<int> inside{0}, ended{0}, caught{0};
+        auto pool = std::make_unique<thread_pool>(3);
+        std::thread caller([&, used = pool.get()] {
+            try {
+                used->on_each_thread([&](thread_pool::share) {
+                    ++inside;
+                    std::this_thread::sleep_for(std::chrono::microseconds(500));
+                    ++ended;
+                    if (throws)
+                        throw std::bad_alloc();
+                });
+            } catch (const std::bad_alloc&) {
+                ++caught;
+            }
+        });
+        while (inside == 0)
+            std::this_thread::yield();
+        pool.reset();
+        CHECK(ended == 3);
+        caller.join();
+        CHECK(caught == int{throws});
+    }
 }
 
 // Sanitizers need memory of their own for every thread, and end the program where they get none.

@@ -27,7 +27,9 @@ public:
     }
     thread_pool(const thread_pool&) = delete;
     thread_pool& operator=(const thread_pool&) = delete;
+    /// Waits for a call that another thread is in. No call may begin meanwhile.
     ~thread_pool() {
+        wait_until_busy_are(0);
         call_ = nullptr;
         announce();
         for (std::thread& worker : workers_)
@@ -79,23 +81,29 @@ private:
             return code(body, share{0, 1});
         body_ = body;
         call_ = code;
-        busy_.store(threads_ - 1, std::memory_order_relaxed);
+        busy_.store(threads_, std::memory_order_relaxed);
         announce();
         try {
             code(body, share{0, threads_});
         } catch (...) { // the workers still use the body
             note_problem(0);
         }
-        for (std::size_t spin = 0; busy_.load(std::memory_order_acquire) != 0; ++spin)
-            if (spin > patience)
-                std::this_thread::yield();
-        if (failed_.load(std::memory_order_relaxed))
-            throw_first_problem();
+        wait_until_busy_are(1);
+        const std::exception_ptr problem =
+            failed_.load(std::memory_order_relaxed) ? take_first_problem() : nullptr;
+        busy_.store(0, std::memory_order_release); // from here on the pool may be destroyed
+        if (problem)
+            std::rethrow_exception(problem);
     }
 
     // Layers follow each other within microseconds: a short spin avoids the scheduler.
     static constexpr std::size_t patience = 4096;
 
+    void wait_until_busy_are(std::size_t threads) const {
+        for (std::size_t spin = 0; busy_.load(std::memory_order_acquire) != threads; ++spin)
+            if (spin > patience)
+                std::this_thread::yield();
+    }
     void announce() {
         round_.fetch_add(1, std::memory_order_release);
         round_.notify_all();
@@ -104,13 +112,13 @@ private:
         problems_[index] = std::current_exception();
         failed_.store(true, std::memory_order_relaxed);
     }
-    [[noreturn]] void throw_first_problem() {
+    std::exception_ptr take_first_problem() {
         failed_.store(false, std::memory_order_relaxed);
         std::exception_ptr first;
         for (std::exception_ptr& problem : problems_)
             if (std::exception_ptr taken = std::exchange(problem, nullptr); !first)
                 first = std::move(taken);
-        std::rethrow_exception(std::move(first));
+        return first;
     }
     void work(std::size_t index) noexcept {
         std::uint32_t seen = 0;
@@ -133,7 +141,7 @@ private:
 
     std::size_t threads_;
     std::atomic<std::uint32_t> round_{0};
-    std::atomic<std::size_t> busy_{0};
+    std::atomic<std::size_t> busy_{0}; // threads that are in a call, the caller among them
     std::atomic<bool> failed_{false};
     void (*call_)(const void*, share) = nullptr;
     const void* body_ = nullptr;
