@@ -18,11 +18,11 @@ private:
 };
 
 /// The median of nine timings of at least 10 ms each, of fewer where they take half a second together, in
-/// microseconds a call. Work that takes no time and a clock that stands still end as well.
+/// microseconds a call. A clock that stands still or runs backwards measures nothing, and soon ends as well.
 template <class Work>
 double median_microseconds(const Work& work) {
     constexpr double shortest = 0.01, enough = 0.5;
-    constexpr std::size_t most = 9, most_calls = std::size_t{1} << 17;
+    constexpr std::size_t most = 9, most_calls = std::size_t{1} << 17, clock_must_have_moved = 1024;
     const auto seconds_for = [&](std::size_t calls) {
         const stopwatch watch;
         for (std::size_t i = 0; i < calls; ++i)
@@ -30,8 +30,12 @@ double median_microseconds(const Work& work) {
         return watch.seconds();
     };
     std::size_t calls = 1;
-    while (calls < most_calls && seconds_for(calls) < shortest)
+    while (calls < most_calls) {
+        const double seconds = seconds_for(calls);
+        if (seconds >= shortest || (seconds <= 0 && calls >= clock_must_have_moved))
+            break;
         calls *= 2;
+    }
     std::vector<double> times;
     double all = 0;
     while (times.empty() || (times.size() < most && all < enough)) {

@@ -21,16 +21,20 @@ struct group {
 finding flip_bits(scene& s, std::size_t number);
 finding flip_bits_of_recordings(scene& s, std::size_t number);
 finding flip_two_bits_of_sums(scene& s, std::size_t number);
+finding replace_values(scene& s, std::size_t number);
 finding cut_files(scene& s, std::size_t number);
 finding kill_and_resume(scene& s, std::size_t number);
 finding fill_the_disk(scene& s, std::size_t number);
 finding limit_files(scene& s, std::size_t number);
 finding break_streams(scene& s, std::size_t number);
 finding take_resources(scene& s, std::size_t number);
+finding set_the_clock(scene& s, std::size_t number);
 finding ask_for_nonsense(scene& s, std::size_t number);
 finding name_strange_files(scene& s, std::size_t number);
 
 /// Mounts a small disk for `fill_the_disk`, away from everyone else; why not, if not.
 std::string small_disk(const programs& which);
+/// Why no program can be given a clock for `set_the_clock`; empty if it can.
+std::string clock_library(const programs& which);
 
 } // namespace faults

@@ -1,4 +1,4 @@
-#include "recordings.hpp"
+#include "scene.hpp"
 
 #include <tactnet/io/safetensors/writer.hpp>
 

@@ -1,4 +1,5 @@
-// Disks without room, streams that take nothing, and systems that refuse what they are asked for.
+// Disks without room, streams that take nothing, clocks that are wrong, and systems that refuse what they are
+// asked for.
 
 #include "groups.hpp"
 #include "jobs.hpp"
@@ -105,7 +106,7 @@ finding take_resources(scene& s, std::size_t number) {
     conditions under;
     under.limited_user = true;
     under.pictures = s.below(4) == 0;
-    switch (number / all.size() % 3) {
+    switch (number / all.size() % 4) {
     case 0: {
         constexpr unsigned long step = 1UL << 20U;
         static const unsigned long start = least(s, step, step, [](unsigned long most) {
@@ -114,6 +115,15 @@ finding take_resources(scene& s, std::size_t number) {
         if (start == 0)
             return s.handled();
         under.limits = {{RLIMIT_AS, start + s.below(s.below(2) == 0 ? 4 * step : 60 * step)}};
+        break;
+    }
+    case 2: {
+        static const unsigned long start = least(s, 4096, 4096, [](unsigned long most) {
+            return std::vector<std::pair<int, unsigned long>>{{RLIMIT_STACK, most}};
+        });
+        if (start == 0)
+            return s.handled();
+        under.limits = {{RLIMIT_STACK, start + s.below(s.below(2) == 0 ? 16 : 256) * 4096}};
         break;
     }
     case 1:
@@ -127,6 +137,35 @@ finding take_resources(scene& s, std::size_t number) {
     }
     }
     return attempt(s, all[number % all.size()], under);
+}
+
+std::string clock_library(const programs& which) {
+    if (std::string(TACTNET_CLOCK_LIBRARY).empty())
+        return "needs a library that is loaded before others (Linux)";
+    conditions under;
+    under.clock = "still";
+    const ending end = run({which.tactnet.string(), "list"}, "/", under);
+    return end.done() ? "" : "the program does not start with another clock: " + end.text();
+}
+
+finding set_the_clock(scene& s, std::size_t number) {
+    constexpr std::array modes{"still", "backwards", "leaps", "early", "late", "refused"};
+    std::vector<job> all = jobs(s.made);
+    conditions under;
+    under.clock = modes[number % modes.size()];
+    under.pictures = s.below(8) == 0;
+    if (s.below(4) != 0)
+        return attempt(s, s.one_of(all), under);
+    // What was measured by a wrong clock must not be in the way of what comes later.
+    const ending wrong = s.run(s.made.study({"--results", "study"}), under);
+    if (!wrong.orderly())
+        return s.aborted(wrong);
+    if (wrong.status != 0 && wrong.error.empty())
+        return s.silent("study: no message");
+    const ending later = s.run(s.made.study({"--results", "study"}));
+    if (!later.orderly())
+        return s.aborted(later);
+    return later.done() ? s.handled() : s.silent("study, with the right clock again: " + later.text());
 }
 
 } // namespace faults

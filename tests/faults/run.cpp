@@ -152,7 +152,11 @@ ending run(const words& command, const fs::path& folder, const conditions& under
                 language = "LC_ALL=C";
     // Built with the address sanitizer, a program looks for leaks in a thread that limits do not let it have.
     std::string leaks = under.limits.empty() ? "ASAN_OPTIONS=" : "ASAN_OPTIONS=detect_leaks=0";
-    char* environment[] = {path.data(), language.data(), leaks.data(), nullptr};
+    std::string library = std::string("LD_PRELOAD=") + TACTNET_CLOCK_LIBRARY,
+                clock = "TACTNET_CLOCK=" + under.clock;
+    char* environment[] = {path.data(),  language.data(),
+                           leaks.data(), under.clock.empty() ? nullptr : library.data(),
+                           clock.data(), nullptr};
 
     channel in, out, error;
     // More than a pipe holds would have to be written while it is read.
@@ -185,6 +189,8 @@ std::string shell_line(const words& command, const fs::path& folder, const condi
     std::string line = "cd " + quoted(folder.string()) + " &&";
     for (const auto& [resource, most] : under.limits)
         line += " [limit " + std::to_string(resource) + ": " + std::to_string(most) + "]";
+    if (!under.clock.empty())
+        line += " LD_PRELOAD=" + quoted(TACTNET_CLOCK_LIBRARY) + " TACTNET_CLOCK=" + under.clock;
     for (const std::string& word : command)
         line += " " + quoted(word);
     const char* const ends[] = {"", "&-", "/dev/full", " [broken pipe]", "/dev/null"};

@@ -28,6 +28,7 @@ struct conditions {
     bool limited_user = false;                           ///< one that no limit is waived for
     int signal = 0;                                      ///< sent after a while, if it still runs
     std::chrono::microseconds after{0};
+    std::string clock;    ///< a mode of clock_library.cpp; empty for the system's
     bool pictures = true; ///< whether gnuplot is found
     std::chrono::seconds patience{60};
 };

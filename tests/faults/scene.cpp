@@ -1,7 +1,5 @@
 #include "scene.hpp"
 
-#include "recordings.hpp"
-
 #include <algorithm>
 #include <csignal>
 #include <decode_image.hpp>

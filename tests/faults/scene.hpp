@@ -19,6 +19,10 @@ struct programs {
     fs::path tactnet, decode, stream; ///< the last two may be empty
 };
 
+/// Small recordings of every kind, and a network for a stream of them, without damage. By file name:
+/// sample.fsx, sample.csv, sample.mp, own.stream, plain.stream, stream.net.
+std::map<std::string, std::string> recordings();
+
 /// Images of three classes, and what an undisturbed program makes of them; in a folder of their own.
 class materials {
 public:

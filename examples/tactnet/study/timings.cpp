@@ -33,7 +33,7 @@ std::vector<double> times_of(const Work& work) {
     for (std::size_t i = 0; i < 3; ++i) // caches and branch predictors
         work();
     std::vector<double> times;
-    for (double all = 0; times.size() < fewest || (all < enough && times.size() < most);) {
+    for (double all = 0; times.size() < fewest || (all > 0 && all < enough && times.size() < most);) {
         const stopwatch watch;
         work();
         times.push_back(1e6 * watch.seconds());
@@ -56,12 +56,21 @@ void spin(std::uint64_t steps) {
     [[maybe_unused]] volatile std::uint64_t kept = x; // or a compiler would leave the loop out
 }
 
+/// A clock that stands still or runs backwards has measured nothing that a file or a table may hold.
+double positive(double measured) {
+    if (!(measured > 0))
+        throw std::runtime_error(fmt::format(
+            "timing: expected a clock that goes forward, found {} microseconds of work", measured));
+    return measured;
+}
+
 double jitter_over(double microseconds) {
     constexpr std::uint64_t tried = 100'000;
-    const double each = median_microseconds([] { spin(tried); }) / static_cast<double>(tried);
-    const auto steps = static_cast<std::uint64_t>(std::max(1.0, microseconds / each));
+    constexpr double most = 1e9; // steps: about a second
+    const double each = positive(median_microseconds([] { spin(tried); })) / static_cast<double>(tried);
+    const auto steps = static_cast<std::uint64_t>(std::clamp(microseconds / each, 1.0, most));
     const std::vector<double> times = times_of([&] { spin(steps); });
-    return quantile(times, 0.99) / quantile(times, 0.5);
+    return positive(quantile(times, 0.99)) / positive(quantile(times, 0.5));
 }
 
 std::string machine_name() {
@@ -120,10 +129,10 @@ pinned::~pinned() {
 frame_latency measure_latency(const frame_work& work, std::size_t together) {
     const std::vector<double> times = times_of([&] { work(1); });
     frame_latency found;
-    found.median = quantile(times, 0.5);
+    found.median = positive(quantile(times, 0.5));
     found.p99 = quantile(times, 0.99);
     found.jitter = jitter_over(found.median);
-    found.in_batch = median_microseconds([&] { work(together); }) / static_cast<double>(together);
+    found.in_batch = positive(median_microseconds([&] { work(together); })) / static_cast<double>(together);
     return found;
 }
 
@@ -134,7 +143,7 @@ timing_list::timing_list(const std::filesystem::path& path) : file_(path), shown
 void timing_list::read_on() {
     file_.read_on("a timing of tactnet study", [&](const std::string& text) {
         const auto line = nlohmann::json::parse(text);
-        const auto positive = [&](const char* name) {
+        const auto above_0 = [&](const char* name) {
             const double value = line.at(name);
             if (!(value > 0))
                 throw std::runtime_error(fmt::format("expected {} above 0, found {}", name, value));
@@ -142,7 +151,7 @@ void timing_list::read_on() {
         };
         const auto settings = line.at("settings").get<tactnet::file_metadata>();
         latest_ = program_in(settings);
-        all_[settings] = {positive("median"), positive("p99"), positive("in_batch"), positive("jitter")};
+        all_[settings] = {above_0("median"), above_0("p99"), above_0("in_batch"), above_0("jitter")};
     });
 }
 
@@ -182,9 +191,6 @@ std::map<std::string, frame_latency> timing_list::by_instruction_set(const metho
 }
 
 void timing_list::add(const method& what, std::size_t bits, const frame_latency& found) {
-    // A clock that stands still would leave a line that nobody can read.
-    if (!(found.median > 0 && found.p99 > 0 && found.in_batch > 0 && found.jitter > 0))
-        throw tactnet::file_error(file_.path().string(), "", "times above 0", "a clock that stands still");
     const tactnet::file_metadata key = key_of(what, bits, this_program());
     file_.add(nlohmann::ordered_json{{"settings", key},
                                      {"median", found.median},

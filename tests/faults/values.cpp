@@ -1,0 +1,190 @@
+// Values that someone has written into a file where another stood.
+
+#include "groups.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace faults {
+namespace {
+
+using namespace std::string_literals;
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    for (std::size_t at = 0, end = 0; at < text.size(); at = end + 1) {
+        end = std::min(text.find('\n', at), text.size());
+        lines.push_back(text.substr(at, end - at));
+    }
+    return lines;
+}
+
+bool has_control_characters(const ending& end, bool tabs_allowed = true) {
+    const auto controls = [&](char c) {
+        const auto byte = static_cast<unsigned char>(c);
+        return (byte < 0x20 && c != '\n' && c != '\r' && !(c == '\t' && tabs_allowed)) || byte == 0x7F;
+    };
+    return std::any_of(end.out.begin(), end.out.end(), controls) ||
+           std::any_of(end.error.begin(), end.error.end(), controls);
+}
+
+/// A measure of a recording that is no number of its kind: exit status 1 with a message, or a warning.
+finding replace_measure(scene& s) {
+    struct measure {
+        const char *file, *key, *end; ///< the value stands between the two
+    };
+    constexpr std::array measures{
+        measure{"sample.csv", "ROWS ", "\r\n"},
+        measure{"sample.csv", "COLS ", "\r\n"},
+        measure{"sample.csv", "SECONDS_PER_FRAME ", "\r\n"},
+        measure{"sample.csv", "START_FRAME ", "\r\n"},
+        measure{"sample.csv", "END_FRAME ", "\r\n"},
+        measure{"sample.csv", "Raw Sum=,,", "\r\n"},
+        measure{"sample.fsx", "ROWS ", "\n"},
+        measure{"sample.fsx", "COLS ", "\n"},
+        measure{"sample.fsx", "NOISE_THRESHOLD ", "\n"},
+        measure{"sample.fsx", "SECONDS_PER_FRAME ", "\n"},
+        measure{"sample.fsx", "START_FRAME ", "\n"},
+        measure{"sample.fsx", "END_FRAME ", "\n"},
+    };
+    const std::array values{
+        "nan"s, "inf"s, "-310"s, "310x"s,     "u25"s, "1e999"s,   "-0.5"s, "0x12"s,
+        "1 2"s, "٣"s,   "--5"s,  "5\x1b[2J"s, "5\0"s, "\u202e5"s, "1,5"s,  std::string(300, '9')};
+    const measure& of = s.one_of(measures);
+    const std::string value = s.one_of(values);
+    std::string bytes = bytes_of(s.made / of.file);
+    std::vector<std::size_t> places;
+    for (std::size_t at = 0; (at = bytes.find(of.key, at)) != std::string::npos; ++at)
+        places.push_back(at + std::string(of.key).size());
+    const std::size_t at = s.one_of(places);
+    bytes.replace(at, bytes.find(of.end, at) - at, value);
+    write_bytes(s.folder / of.file, bytes);
+    const ending end = s.run({s.made.where().decode.string(), "--csv", of.file});
+    if (!end.orderly())
+        return s.aborted(end);
+    const std::string what = of.key + ("'" + value + "'") + " in " + of.file;
+    if (end.error.empty())
+        return s.silent(what + ": no message");
+    return has_control_characters(end) ? s.silent(what + ": a terminal is told what to do") : s.handled();
+}
+
+/// A line of results with another checksum than its own, or none.
+finding replace_checksum(scene& s) {
+    struct reading {
+        const char *folder, *file;
+        words command;
+    };
+    const std::vector<reading> readings{
+        {"results", "results/evaluation.jsonl", s.made.evaluate({"--results", "results"})},
+        {"study", "study/evaluation.jsonl", s.made.study({"--results", "study", "--report-only"})},
+        {"study", "study/timings.jsonl", s.made.study({"--results", "study", "--report-only"})},
+        {"study", "study/study.jsonl", s.made.tactnet({"recommend", "--results", "study"})},
+    };
+    const reading& of = s.one_of(readings);
+    s.bring(of.folder);
+    std::vector<std::string> lines = lines_of(bytes_of(s.folder / of.file));
+    std::string& line = lines[s.below(lines.size())];
+    const std::size_t at = line.rfind(",\"checksum\":");
+    if (at == std::string::npos)
+        return s.silent(std::string(of.file) + ": a line without a checksum");
+    const std::array endings{"}"s,
+                             ",\"checksum\":null}"s,
+                             ",\"checksum\":\"\"}"s,
+                             ",\"checksum\":0}"s,
+                             ",\"checksum\":[]}"s,
+                             ",\"checksum\":\"tactnet-xxh64:0000000000000000\"}"s,
+                             ",\"checksum\":\"tactnet-xxh64:\"}"s,
+                             ",\"Checksum\":\"tactnet-xxh64:0000000000000000\"}"s};
+    const std::string ending_of_line = s.one_of(endings);
+    line.replace(at, std::string::npos, ending_of_line);
+    std::string all;
+    for (const std::string& one : lines)
+        all += one + '\n';
+    write_bytes(s.folder / of.file, all);
+    conditions under;
+    under.pictures = false;
+    const ending end = s.run(of.command, under);
+    if (!end.orderly())
+        return s.aborted(end);
+    return end.error.find(fs::path(of.file).filename().string()) == std::string::npos
+               ? s.silent(std::string(of.file) + " with " + ending_of_line + ": no message that names it")
+               : s.handled();
+}
+
+/// Classes and images whose names would be commands to a terminal, or more lines than one.
+finding name_with_controls(scene& s) {
+    const std::array controls{"\x1b[2J"s, "\n"s,       "\t"s,     "\r"s,    "\x7f"s,
+                              "\x01"s,    "\xc2\x9b"s, "\u202e"s, "\u2066"s};
+    const std::string name = "a" + s.one_of(controls) + "b";
+    const auto raw = [&](const ending& end) {
+        return end.out.find(name) != std::string::npos || end.error.find(name) != std::string::npos ||
+               has_control_characters(end);
+    };
+    conditions under;
+    under.pictures = false;
+    if (s.below(2) == 0) { // an image: classified like any other, on a line of its own
+        s.bring("net");
+        fs::copy_file(s.made.image(), s.folder / (name + ".png"));
+        const ending end = s.run(s.made.tactnet({"classify", "--weights", "net", name + ".png"}), under);
+        if (!end.orderly())
+            return s.aborted(end);
+        if (!end.done() || lines_of(end.out).size() != 1)
+            return s.silent("an image was not classified in one line: " + end.text());
+        return raw(end) ? s.silent("the name of an image reaches the terminal as it is") : s.handled();
+    }
+    s.bring("data");
+    fs::rename(s.folder / "data" / "left", s.folder / "data" / name);
+    const ending end = s.run(s.made.train({"--epochs", "2", "--output", "out"}, "data"), under);
+    if (!end.orderly())
+        return s.aborted(end);
+    if (end.done() || end.error.empty() || fs::exists(s.folder / "out"))
+        return s.silent("a class with a control character in its name was taken");
+    return raw(end) ? s.silent("the name of a class reaches the terminal as it is") : s.handled();
+}
+
+/// Classes in a weight file, where a program writes the name of what it recognises.
+finding name_classes_with_controls(scene& s) {
+    const std::array names{"a\\u001bb"s, "a\\nb"s,     "a\\tb"s,    "a\\u0000b"s,
+                           "a\\u007fb"s, "a\\u009bb"s, "a\\u202eb"s};
+    const std::string name = s.one_of(names);
+    std::string network = bytes_of(s.made / "stream.net");
+    const std::size_t at = network.find("object3");
+    // The metadata are a string of JSON in JSON; the header's size stands before it in eight bytes.
+    std::string escaped = name;
+    for (std::size_t slash = 0; (slash = escaped.find('\\', slash)) != std::string::npos; slash += 2)
+        escaped.insert(slash, "\\");
+    escaped.append((8 + 7 - escaped.size() % 8) % 8, '_');
+    network.replace(at, 7, escaped);
+    std::size_t size = 0;
+    for (std::size_t byte = 8; byte > 0; --byte)
+        size = size << 8U | static_cast<unsigned char>(network[byte - 1]);
+    size += escaped.size() - 7;
+    for (std::size_t byte = 0; byte < 8; ++byte)
+        network[byte] = static_cast<char>(size >> 8 * byte & 0xFF);
+    write_bytes(s.folder / "named.net", network);
+    conditions under;
+    under.input = bytes_of(s.made / "plain.stream");
+    const ending end = s.run({s.made.where().stream.string(), "named.net"}, under);
+    if (!end.orderly())
+        return s.aborted(end);
+    if (end.done() || end.error.find("named.net") == std::string::npos)
+        return s.silent("a class '" + name + "' was taken: " + end.text());
+    return has_control_characters(end) ? s.silent("a class reaches the terminal as it is") : s.handled();
+}
+
+} // namespace
+
+finding replace_values(scene& s, std::size_t number) {
+    switch (number % 4) {
+    case 0:
+        return replace_measure(s);
+    case 1:
+        return replace_checksum(s);
+    case 2:
+        return name_with_controls(s);
+    default:
+        return name_classes_with_controls(s);
+    }
+}
+
+} // namespace faults
