@@ -13,6 +13,7 @@
 #include <cstring>
 #include <exception>
 #include <optional>
+#include <random>
 #include <stdexcept>
 #include <sys/stat.h>
 
@@ -47,7 +48,7 @@ const std::array groups{
 
 struct arguments {
     programs which;
-    std::uint64_t seed = 14;
+    std::uint64_t seed = std::random_device{}(); // another each run: reported, to be repeated
     std::size_t cases = 5000;
     std::string only{};
     std::optional<std::size_t> number{};
@@ -57,7 +58,8 @@ constexpr const char* usage =
     "usage: tactnet_attack [--short | --cases N] [--seed N] [--only GROUP [--case N]]\n"
     "                      [--tactnet FILE] [--decode FILE] [--stream FILE]\n\n"
     "Tries N faults (5000; --short: 400) on the programs, and tells which were silent or ended in disorder.\n"
-    "A case depends on the seed, its group and its number alone: --only and --case repeat it.\n";
+    "Without --seed, it is another one each run. A case depends on the seed, its group and its number\n"
+    "alone: --only and --case repeat it.\n";
 
 std::uint64_t number_in(const std::string& text) {
     if (text.empty() || text.size() > 18 || text.find_first_not_of("0123456789") != std::string::npos)
