@@ -1,0 +1,282 @@
+#pragma once
+
+#include <tactnet/decision/bordered_frame.hpp>
+#include <tactnet/decision/tactel_fault.hpp>
+#include <tactnet/kernels/frame/tactels.hpp>
+#include <tactnet/tensor/shape.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+
+// From the frames of a sensor that ages to frames like those that a network was trained on. Nothing here uses
+// the heap or throws.
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// Learns the counts of air of each tactel, subtracts them, finds stuck and dead tactels, and replaces their
+/// counts by the mean of their sound neighbours.
+///
+///     sensor_health<shape{28, 50}> health;
+///     for (…) health.learn(frame_of_air);
+///     const auto clean = health.clean(frame);      // for each frame, for the network
+///     if (!contact) health.follow(frame);          // once it is known that nothing touches the array
+template <shape Array>
+class sensor_health {
+    using grid = bordered_frame<Array>;
+    static constexpr std::size_t size = Array.size();
+
+public:
+    using frame = std::span<const std::uint8_t, size>;
+    /// Tactels that can be faulty at the same time; an array with more is worn out.
+    static constexpr std::size_t most_faults = size / 8;
+
+    explicit sensor_health(const health_settings& settings = {}) noexcept : settings_(settings) {}
+
+    /// Takes a frame of air into the baseline: the mean of all frames since the last call of `forget`. A
+    /// tactel above largest_baseline is stuck.
+    void learn(frame air) noexcept {
+        learnt_ = std::min<std::uint32_t>(learnt_ + 1, 1U << 16U);
+        for (std::size_t i = 0; i < size; ++i) {
+            const auto target = static_cast<std::int32_t>(air[i]) * 256;
+            const auto level = static_cast<std::int32_t>(level_[i]);
+            const auto step = (target - level) / static_cast<std::int32_t>(learnt_);
+            level_[i] = static_cast<std::uint16_t>(level + step);
+        }
+        for (std::size_t row = 0, i = 0; row < Array.rows; ++row)
+            for (std::size_t column = 0; column < Array.columns; ++column, ++i) {
+                const bool stuck = level_[i] / 256 >= settings_.largest_baseline;
+                if (stuck && !is_faulty(row, column))
+                    add_fault(row, column, tactel_fault_kind::stuck);
+                // A stuck tactel keeps its counts, to be seen when it moves again.
+                baseline_[row * grid::stride + column] =
+                    stuck ? std::uint8_t{0} : static_cast<std::uint8_t>((level_[i] + 128) / 256);
+            }
+    }
+    /// Forgets baseline and faults.
+    void forget() noexcept { *this = sensor_health(settings_); }
+
+    /// Moves the baseline towards a frame of air by `follow`, whatever the distance (a sigma-delta filter:
+    /// Manzanera and Richefeu, "A new motion detection algorithm based on Σ-Δ background estimation", 2007).
+    void follow(frame air) noexcept {
+        const std::uint16_t step = settings_.follow;
+        const std::uint16_t most = static_cast<std::uint16_t>(settings_.largest_baseline * 256);
+        for (std::size_t i = 0; i < size; ++i) {
+            const auto target = static_cast<std::uint16_t>(air[i] << 8U);
+            const std::uint16_t level = level_[i];
+            const auto up = static_cast<std::uint16_t>(level < target && level < most ? step : 0);
+            const auto down = static_cast<std::uint16_t>(level > target ? std::min(step, level) : 0);
+            level_[i] = static_cast<std::uint16_t>(level + up - down);
+        }
+        for (std::size_t row = 0, i = 0; row < Array.rows; ++row)
+            for (std::size_t column = 0; column < Array.columns; ++column, ++i)
+                if (level_[i] < most)
+                    baseline_[row * grid::stride + column] =
+                        static_cast<std::uint8_t>((level_[i] + 128U) >> 8U);
+    }
+
+    /// Returns a frame as it would be without offsets and faults. The result is valid until the next call.
+    frame clean(frame raw) noexcept {
+        subtract_baseline(raw);
+        if (fault_count_ > 0)
+            replace_faulty();
+        const bool any = find_signs();
+        if (any || watching_)
+            count_signs();
+        if (any)
+            replace_signed();
+        for (std::size_t row = 0; row < Array.rows; ++row)
+            std::copy_n(grid_.counts.data() + grid::place(row, 0), Array.columns,
+                        clean_.data() + row * Array.columns);
+        ++frames_;
+        return frame(clean_);
+    }
+
+    /// All faulty tactels, in the order in which they were found.
+    [[nodiscard]] std::span<const tactel_fault> faults() const noexcept {
+        return std::span(faults_).first(fault_count_);
+    }
+    /// Whether at least `share` of the tactels of a row are faulty, as when its conductor is broken.
+    [[nodiscard]] bool row_is_faulty(std::size_t row, double share = 0.5) const noexcept {
+        const auto in_row = std::count_if(faults().begin(), faults().end(),
+                                          [&](const tactel_fault& fault) { return fault.row == row; });
+        return static_cast<double>(in_row) >= share * static_cast<double>(Array.columns);
+    }
+    [[nodiscard]] bool column_is_faulty(std::size_t column, double share = 0.5) const noexcept {
+        const auto in_column =
+            std::count_if(faults().begin(), faults().end(),
+                          [&](const tactel_fault& fault) { return fault.column == column; });
+        return static_cast<double>(in_column) >= share * static_cast<double>(Array.rows);
+    }
+    /// Whether more tactels are faulty than can be replaced.
+    [[nodiscard]] bool worn_out() const noexcept { return worn_out_; }
+    /// The mean baseline, in counts: the offset of the array.
+    [[nodiscard]] double mean_baseline() const noexcept {
+        std::uint64_t sum = 0;
+        for (const std::uint16_t level : level_)
+            sum += level;
+        return offset_ + static_cast<double>(sum) / 256 / static_cast<double>(size);
+    }
+    /// How many frames `clean` has taken.
+    [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }
+
+private:
+    [[nodiscard]] bool is_faulty(std::size_t row, std::size_t column) const noexcept {
+        return faulty_[row * grid::stride + column] != 0;
+    }
+
+    void add_fault(std::size_t row, std::size_t column, tactel_fault_kind kind) noexcept {
+        if (fault_count_ == most_faults) {
+            worn_out_ = true;
+            return;
+        }
+        faults_[fault_count_++] = {static_cast<std::uint16_t>(row), static_cast<std::uint16_t>(column), kind,
+                                   frames_};
+        faulty_[row * grid::stride + column] = 1;
+        sound_frames_[fault_count_ - 1] = 0;
+        plan_replacements();
+    }
+
+    /// Also follows an offset that all tactels have in common, by one count per frame: at most three quarters
+    /// of an array are pressed at once, so that the lowest quarter is at the baseline.
+    void subtract_baseline(frame raw) noexcept {
+        for (std::size_t row = 0; row < Array.rows; ++row)
+            std::copy_n(raw.data() + row * Array.columns, Array.columns,
+                        grid_.counts.data() + grid::place(row, 0));
+        const std::uint8_t offset = offset_;
+        auto [above, below] =
+            kernels::subtract_levels<grid::span>(grid_.counts.data() + grid::first, baseline_.data(), offset);
+        // Borders are never above; where there is an offset, they are below.
+        below -= offset > 0 ? grid::span - size : 0;
+        const std::size_t at_most = size - above;
+        if (4 * at_most < size)
+            offset_ = static_cast<std::uint8_t>(offset + (offset < settings_.largest_baseline));
+        else if (4 * below >= size)
+            offset_ = static_cast<std::uint8_t>(offset - (offset > 0));
+    }
+
+    [[nodiscard]] bool find_signs() noexcept {
+        const fault_limits& limits = settings_.limits;
+        return kernels::find_signs<grid::span, grid::stride>(
+            grid_.counts.data(), {limits.spike, limits.hole, limits.pressed, limits.neighbours},
+            signs_.data());
+    }
+
+    /// Calls visit(place, row, column) for each tactel whose byte is not 0. Most words of eight bytes are 0.
+    template <class Visit>
+    void visit_tactels(const std::array<std::uint8_t, grid::span>& bytes, const Visit& visit) noexcept {
+        for (std::size_t first = 0; first < grid::span; first += sizeof(std::uint64_t)) {
+            std::uint64_t word = 0;
+            std::memcpy(&word, bytes.data() + first, sizeof(word));
+            for (std::size_t i = first; word != 0 && i < first + sizeof(word); ++i)
+                if (bytes[i] != 0)
+                    visit(i, i / grid::stride, i % grid::stride);
+        }
+    }
+
+    /// Counts the frames that speak against each tactel.
+    void count_signs() noexcept {
+        // A tactel that is low is not stuck, one that is pressed is not dead.
+        watching_ = false;
+        visit_tactels(against_, [&](std::size_t i, std::size_t, std::size_t) {
+            const std::uint8_t count = grid_.counts[grid::first + i];
+            const bool dead = against_[i] & dead_bit;
+            if (signs_[i] == 0 && (dead ? count > sound_count : count < sound_count))
+                against_[i] = 0;
+            watching_ = watching_ || against_[i] != 0;
+        });
+        visit_tactels(signs_, [&](std::size_t i, std::size_t row, std::size_t column) {
+            const std::uint8_t kind = signs_[i] == kernels::hole_sign ? dead_bit : std::uint8_t{0};
+            const auto frames = static_cast<std::uint8_t>((against_[i] & ~dead_bit) + 1);
+            against_[i] = static_cast<std::uint8_t>(std::min(frames, frames_to_fault()) | kind);
+            watching_ = true;
+            if (frames >= frames_to_fault() && faulty_[i] == 0)
+                add_fault(row, column, kind != 0 ? tactel_fault_kind::dead : tactel_fault_kind::stuck);
+        });
+    }
+    [[nodiscard]] std::uint8_t frames_to_fault() const noexcept {
+        return std::clamp<std::uint8_t>(settings_.frames_to_fault, 1, 127);
+    }
+
+    /// Replaces the counts of faulty tactels by the mean of their sound neighbours, and uses those again that
+    /// have been sound for long.
+    void replace_faulty() noexcept {
+        const fault_limits& limits = settings_.limits;
+        const auto enough = std::max<std::uint8_t>(settings_.frames_to_recovery, 1);
+        bool recovered = false;
+        for (std::size_t f = 0; f < fault_count_; ++f) {
+            std::uint8_t& count = grid_.counts[replacements_[f].place()];
+            const std::uint8_t mean = replacements_[f].of(grid_);
+            const bool dead = faults_[f].kind == tactel_fault_kind::dead;
+            const bool works = dead ? count > sound_count : count < sound_count;
+            const bool fails = dead ? mean >= limits.pressed : count >= limits.spike && mean < count / 8;
+            if (works)
+                recovered = ++sound_frames_[f] >= enough || recovered;
+            else if (fails)
+                sound_frames_[f] = 0;
+            count = mean;
+        }
+        if (recovered)
+            remove_recovered(enough);
+    }
+    void remove_recovered(std::uint8_t enough) noexcept {
+        std::size_t kept = 0;
+        for (std::size_t f = 0; f < fault_count_; ++f) {
+            const tactel_fault fault = faults_[f];
+            if (sound_frames_[f] >= enough) {
+                faulty_[fault.row * grid::stride + fault.column] = 0;
+                against_[fault.row * grid::stride + fault.column] = 0;
+                if (fault.kind == tactel_fault_kind::stuck) // what it had learnt was not of air
+                    level_[fault.row * Array.columns + fault.column] = 0;
+                continue;
+            }
+            sound_frames_[kept] = sound_frames_[f];
+            faults_[kept++] = fault;
+        }
+        fault_count_ = kept;
+        worn_out_ = false;
+        plan_replacements();
+    }
+
+    void plan_replacements() noexcept {
+        for (std::size_t f = 0; f < fault_count_; ++f)
+            replacements_[f] =
+                neighbour_mean<Array>(faults_[f].row, faults_[f].column,
+                                      [&](std::size_t y, std::size_t x) { return is_faulty(y, x); });
+    }
+
+    /// Replaces counts that this frame alone shows to be wrong.
+    void replace_signed() noexcept {
+        const auto unsound = [&](std::size_t y, std::size_t x) {
+            return (signs_[y * grid::stride + x] | faulty_[y * grid::stride + x]) != 0;
+        };
+        // What is replaced is never read: the order does not matter.
+        visit_tactels(signs_, [&](std::size_t i, std::size_t row, std::size_t column) {
+            grid_.counts[grid::first + i] = neighbour_mean<Array>(row, column, unsound).of(grid_);
+        });
+    }
+
+    static constexpr std::uint8_t dead_bit = 0x80; ///< in `against_`, beside the number of frames
+    /// A count that a stuck tactel is not below, and a dead one not above.
+    static constexpr std::uint8_t sound_count = 10;
+
+    health_settings settings_;
+    std::uint32_t learnt_ = 0;
+    std::uint64_t frames_ = 0;
+    std::size_t fault_count_ = 0;
+    bool worn_out_ = false, watching_ = false;
+    std::array<std::uint16_t, size> level_{}; ///< the baseline in 1/256 count
+    std::array<std::uint8_t, grid::span> baseline_{};
+    grid grid_{};
+    std::array<std::uint8_t, grid::span> signs_{}, faulty_{}, against_{};
+    std::array<std::uint8_t, most_faults> sound_frames_{};
+    std::array<neighbour_mean<Array>, most_faults> replacements_{};
+    std::uint8_t offset_ = 0; ///< of all tactels
+    std::array<tactel_fault, most_faults> faults_{};
+    alignas(64) std::array<std::uint8_t, size> clean_{};
+};
+
+}} // namespace tactnet

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <tactnet/decision/temperature.hpp>
+#include <tactnet/networks/recognition.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// What several frames of a grasp, and several grasps of the same object, say together. Log-probabilities of
+/// grasps are summed, as of independent observations. Frames of one grasp are not: those of a grasp of n
+/// frames are summed and divided by 1 + (n − 1) ρ, where ρ is their correlation (the design effect of Kish,
+/// 1965).
+///
+///     touch_evidence<22> evidence(22, scaling);
+///     evidence.add_frame(logits); … evidence.end_grasp();      // until the object is put down
+///     if (const auto found = evidence.decide(0.01)) …          // at most 1 % wrong, if probabilities are
+///     calibrated
+template <std::size_t Outputs>
+class touch_evidence {
+public:
+    /// The first `classes` outputs stand for a class. A correlation of 1 makes a grasp one observation, the
+    /// mean of its frames; 0 takes each frame for an observation of its own.
+    explicit touch_evidence(std::size_t classes = Outputs, const temperature_scaling& scaling = {},
+                            double correlation = 1) noexcept
+        : classes_(std::clamp<std::size_t>(classes, 1, Outputs)),
+          scaling_(scaling),
+          correlation_(std::clamp(correlation, 0.0, 1.0)) {}
+
+    /// Takes the logits of the next frame of a grasp. Returns false, and takes nothing, if one is not finite.
+    bool add_frame(std::span<const float, Outputs> logits) noexcept {
+        std::array<double, Outputs> found;
+        if (!scaling_.log_probabilities(logits, std::span(found).first(classes_)))
+            return false;
+        for (std::size_t c = 0; c < classes_; ++c)
+            grasp_[c] += found[c];
+        ++frames_;
+        return true;
+    }
+    /// What comes next is another grasp of the same object. Ends none without frames.
+    void end_grasp() noexcept {
+        if (frames_ == 0)
+            return;
+        for (std::size_t c = 0; c < classes_; ++c)
+            before_[c] += grasp_[c] * weight();
+        grasp_ = {};
+        frames_ = 0;
+        ++grasps_;
+    }
+    /// What comes next is another object.
+    void clear() noexcept {
+        before_ = grasp_ = {};
+        frames_ = grasps_ = 0;
+    }
+
+    /// How many grasps there are, with the present one if it has frames.
+    [[nodiscard]] std::size_t grasps() const noexcept { return grasps_ + (frames_ > 0 ? 1 : 0); }
+    /// The most likely class and its probability by all evidence so far; std::nullopt without any.
+    [[nodiscard]] std::optional<recognition> most_likely() const noexcept {
+        if (grasps() == 0)
+            return std::nullopt;
+        std::array<double, Outputs> sums{};
+        for (std::size_t c = 0; c < classes_; ++c)
+            sums[c] = before_[c] + grasp_[c] * weight();
+        const auto best =
+            std::max_element(sums.begin(), sums.begin() + static_cast<std::ptrdiff_t>(classes_));
+        double all = 0;
+        for (std::size_t c = 0; c < classes_; ++c)
+            all += std::exp(sums[c] - *best);
+        return recognition{static_cast<std::size_t>(best - sums.begin()), 1 / all};
+    }
+    /// The most likely class, once its probability is at least 1 − error_rate (a sequential test: Wald, 1945;
+    /// for more than two classes: Baum and Veeravalli, 1994). The rate is kept as far as the probabilities
+    /// are calibrated and the grasps independent.
+    [[nodiscard]] std::optional<recognition> decide(double error_rate) const noexcept {
+        const std::optional<recognition> found = most_likely();
+        return found && found->probability >= 1 - error_rate ? found : std::nullopt;
+    }
+
+private:
+    [[nodiscard]] double weight() const noexcept {
+        return frames_ > 0 ? 1 / (1 + static_cast<double>(frames_ - 1) * correlation_) : 1;
+    }
+
+    std::size_t classes_;
+    temperature_scaling scaling_;
+    double correlation_;
+    std::array<double, Outputs> before_{}, grasp_{}; ///< sums of log-probabilities
+    std::size_t frames_ = 0, grasps_ = 0;
+};
+
+}} // namespace tactnet

@@ -1,0 +1,127 @@
+#pragma once
+
+#include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/simd/compiler_vector.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+// What is computed for every tactel of a frame of 8-bit counts before a network sees it.
+
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
+
+/// Lanes of a vector of counts. Arrays of counts are padded to whole vectors.
+inline constexpr std::size_t count_lanes = std::max<std::size_t>(4 * max_integer_lanes, 16);
+[[nodiscard]] constexpr std::size_t whole_count_vectors(std::size_t counts) {
+    return tactnet::detail::ceil_div(counts, count_lanes) * count_lanes;
+}
+
+/// How many counts are above, and how many below, the level of their tactel.
+struct level_tally {
+    std::size_t above = 0, below = 0;
+};
+
+/// Subtracts its level, plus an offset that all have in common, from each of `Size` counts; what is below
+/// becomes 0. A level is at most 255.
+template <std::size_t Size>
+[[nodiscard]] level_tally subtract_levels(std::uint8_t* counts, const std::uint8_t* levels,
+                                          std::uint8_t offset) noexcept {
+    static_assert(Size % count_lanes == 0, "subtract_levels: expected whole vectors");
+    using vector = uint8_vec<count_lanes>;
+    level_tally tally;
+    for (std::size_t first = 0; first < Size; first += 255 * count_lanes) { // a byte counts to 255
+        vector above{}, below{};
+        for (std::size_t i = first; i < std::min(first + 255 * count_lanes, Size); i += count_lanes) {
+            const auto count = load_any<vector>(counts + i), own = load_any<vector>(levels + i);
+            const vector sum = own + offset;
+            const vector level = sum | reinterpret_cast<vector>(sum < own);
+            const auto is_above = reinterpret_cast<vector>(count > level);
+            store_any(counts + i, vector((count - level) & is_above));
+            above -= is_above;
+            below -= reinterpret_cast<vector>(count < level);
+        }
+        for (std::size_t lane = 0; lane < count_lanes; ++lane) {
+            tally.above += above[lane];
+            tally.below += below[lane];
+        }
+    }
+    return tally;
+}
+
+/// How many of `Size` counts are at least `pressed`, and the sum of these.
+struct pressed_tally {
+    std::uint32_t area = 0, force = 0;
+};
+template <std::size_t Size>
+[[nodiscard]] pressed_tally tally_pressed(const std::uint8_t* counts, std::uint8_t pressed) noexcept {
+    using vector = uint8_vec<count_lanes>;
+    using halves = int16_vec<count_lanes>;
+    constexpr std::size_t most = 127; // vectors whose sum of counts an element of 16 bits holds
+    pressed_tally tally;
+    const auto take = [&](const vector& count, vector& area, halves& force) {
+        const auto is_pressed = reinterpret_cast<vector>(count >= pressed);
+        area -= is_pressed;
+        force += __builtin_convertvector(vector(count & is_pressed), halves);
+    };
+    constexpr std::size_t whole = Size / count_lanes * count_lanes;
+    for (std::size_t first = 0; first < Size; first += most * count_lanes) {
+        vector area{};
+        halves force{};
+        for (std::size_t i = first; i < std::min(first + most * count_lanes, whole); i += count_lanes)
+            take(load_any<vector>(counts + i), area, force);
+        if (whole < Size && first + most * count_lanes >= Size) {
+            vector last{};
+            std::memcpy(&last, counts + whole, Size - whole);
+            if (pressed > 0) // or the zeros behind the last count would be pressed
+                take(last, area, force);
+        }
+        for (std::size_t lane = 0; lane < count_lanes; ++lane) {
+            tally.area += area[lane];
+            tally.force += static_cast<std::uint32_t>(force[lane]);
+        }
+    }
+    return tally;
+}
+
+/// The limits of find_signs: see tactnet::fault_limits.
+struct sign_limits {
+    std::uint8_t spike, hole, pressed, neighbours;
+};
+inline constexpr std::uint8_t spike_sign = 1, hole_sign = 2;
+
+/// Writes to `signs` what each of `Size` tactels, in rows of `Stride`, looks like beside its eight
+/// neighbours: spike_sign, hole_sign or 0. `counts` begins at the neighbour of the first tactel that is above
+/// and to the left. Returns whether any is not 0.
+template <std::size_t Size, std::size_t Stride>
+[[nodiscard]] bool find_signs(const std::uint8_t* counts, const sign_limits& limits,
+                              std::uint8_t* signs) noexcept {
+    static_assert(Size % count_lanes == 0, "find_signs: expected whole vectors");
+    using vector = uint8_vec<count_lanes>;
+    vector any{};
+    for (std::size_t i = 0; i < Size; i += count_lanes) {
+        const auto own = load_any<vector>(counts + i + Stride + 1);
+        const vector eighth = own >> 3;
+        vector low{}, pressed{};
+        const auto take = [&](std::size_t distance) {
+            const auto neighbour = load_any<vector>(counts + i + distance);
+            low -= reinterpret_cast<vector>(neighbour < eighth);
+            pressed -= reinterpret_cast<vector>(neighbour >= limits.pressed);
+        };
+        take(0), take(1), take(2);
+        take(Stride), take(Stride + 2);
+        take(2 * Stride), take(2 * Stride + 1), take(2 * Stride + 2);
+        const auto spike = reinterpret_cast<vector>((own >= limits.spike) & (low >= limits.neighbours));
+        const auto hole = reinterpret_cast<vector>((own <= limits.hole) & (pressed >= limits.neighbours));
+        const vector sign = (spike & spike_sign) | (hole & hole_sign);
+        store_any(signs + i, sign);
+        any |= sign;
+    }
+    std::uint8_t found = 0;
+    for (std::size_t lane = 0; lane < count_lanes; ++lane)
+        found = static_cast<std::uint8_t>(found | any[lane]);
+    return found != 0;
+}
+
+}}} // namespace tactnet::kernels

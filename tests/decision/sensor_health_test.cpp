@@ -1,0 +1,240 @@
+#include <tactnet/decision/sensor_health.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <random>
+#include <support/allocations.hpp>
+#include <type_traits>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+constexpr shape array{28, 50};
+using frame = std::array<std::uint8_t, array.size()>;
+using health = sensor_health<array>;
+
+/// A smooth touch, 15 × 17 tactels wide, whose highest count is 170.
+frame touch(std::size_t row = 14, std::size_t column = 25) {
+    frame counts{};
+    for (std::size_t r = 0; r < 28; ++r)
+        for (std::size_t c = 0; c < 50; ++c) {
+            const int y = static_cast<int>(r) - static_cast<int>(row),
+                      x = static_cast<int>(c) - static_cast<int>(column);
+            counts[r * 50 + c] = static_cast<std::uint8_t>(std::max(0, 170 - 2 * (y * y + x * x)));
+        }
+    return counts;
+}
+frame cleaned(health& of, const frame& raw) {
+    frame result{};
+    std::copy_n(of.clean(raw).begin(), result.size(), result.begin());
+    return result;
+}
+int largest_difference(const frame& a, const frame& b) {
+    int largest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        largest = std::max(largest, std::abs(int{a[i]} - int{b[i]}));
+    return largest;
+}
+
+} // namespace
+
+TEST_CASE("sensor_health: a sound array changes nothing") {
+    health sensor;
+    for (int i = 0; i < 300; ++i) {
+        CHECK(cleaned(sensor, touch()) == touch());
+        CHECK(cleaned(sensor, frame{}) == frame{});
+    }
+    CHECK(sensor.faults().empty());
+    CHECK(sensor.frames() == 600);
+    CHECK(sensor.mean_baseline() == 0);
+}
+
+TEST_CASE("sensor_health: the baseline is the mean of frames of air, and is subtracted") {
+    health sensor;
+    std::mt19937 random(1);
+    frame offset{};
+    for (std::uint8_t& count : offset)
+        count = static_cast<std::uint8_t>(random() % 30);
+    for (int i = 0; i < 100; ++i) {
+        frame air = offset;
+        for (std::uint8_t& count : air)
+            count = static_cast<std::uint8_t>(count + (i % 2 == 0 ? 1 : 0)); // 0.5 on average
+        sensor.learn(air);
+    }
+    frame raw = touch();
+    for (std::size_t i = 0; i < raw.size(); ++i)
+        raw[i] = static_cast<std::uint8_t>(raw[i] + offset[i]);
+    CHECK(largest_difference(cleaned(sensor, raw), touch()) <= 1);
+    CHECK(sensor.mean_baseline() == doctest::Approx(14.5 + 0.5).epsilon(0.03));
+    sensor.forget();
+    CHECK(cleaned(sensor, raw) == raw);
+}
+
+TEST_CASE("sensor_health: a stuck row, column and single tactels are replaced at once, and reported after "
+          "some frames") {
+    for (const std::uint8_t stuck_at : {std::uint8_t{128}, std::uint8_t{255}})
+        for (const char kind : {'r', 'c', 's'}) {
+            std::vector<std::size_t> places;
+            for (std::size_t i = 0; i < (kind == 'r' ? 50 : kind == 'c' ? 28 : 14); ++i)
+                places.push_back(kind == 'r'   ? 3 * 50 + i
+                                 : kind == 'c' ? i * 50 + 44
+                                               : 50 * (1 + 2 * (i % 13)) + 3 * i + 2);
+            const auto broken = [&](frame raw) {
+                for (const std::size_t place : places)
+                    raw[place] = stuck_at;
+                return raw;
+            };
+            health sensor;
+            CHECK(cleaned(sensor, broken({})) == frame{}); // the first frame already
+            CHECK(sensor.faults().empty());
+            for (int i = 1; i < 16; ++i)
+                CHECK(cleaned(sensor, broken({})) == frame{});
+            REQUIRE(sensor.faults().size() == places.size());
+            for (const tactel_fault& fault : sensor.faults()) {
+                CHECK(std::find(places.begin(), places.end(), fault.row * 50U + fault.column) !=
+                      places.end());
+                CHECK(fault.kind == tactel_fault_kind::stuck);
+                CHECK(fault.since == 15);
+            }
+            CHECK(sensor.row_is_faulty(3) == (kind == 'r'));
+            CHECK(sensor.column_is_faulty(44) == (kind == 'c'));
+            CHECK_FALSE(sensor.row_is_faulty(4));
+            CHECK_FALSE(sensor.worn_out());
+            // Under an object, where no spike shows them, they are replaced by the mean of their neighbours.
+            CHECK(largest_difference(cleaned(sensor, broken(touch(6, 42))), touch(6, 42)) <= 20);
+        }
+}
+
+TEST_CASE("sensor_health: dead tactels are found under objects, and recover") {
+    health sensor;
+    frame dead = touch();
+    for (const std::size_t column : {22, 23, 24, 25, 26, 27})
+        dead[14 * 50 + column] = 0; // part of a row
+    CHECK(largest_difference(cleaned(sensor, dead), touch()) <= 20);
+    for (int i = 0; i < 20; ++i) {
+        (void)sensor.clean(dead);
+        (void)sensor.clean(frame{}); // air says nothing about dead tactels
+    }
+    REQUIRE(sensor.faults().size() == 6);
+    for (const tactel_fault& fault : sensor.faults()) {
+        CHECK(fault.kind == tactel_fault_kind::dead);
+        CHECK(fault.row == 14);
+    }
+    for (int i = 0; i < 199; ++i) {
+        (void)sensor.clean(touch());
+        (void)sensor.clean(frame{});
+    }
+    CHECK(sensor.faults().size() == 6);
+    (void)sensor.clean(dead); // fails again: the count of frames starts again
+    for (int i = 0; i < 199; ++i)
+        (void)sensor.clean(touch());
+    CHECK(sensor.faults().size() == 6);
+    (void)sensor.clean(touch());
+    CHECK(sensor.faults().empty());
+    CHECK(cleaned(sensor, touch()) == touch());
+}
+
+TEST_CASE("sensor_health: a stuck tactel that moves again is used again, also one that learn has found") {
+    for (const bool learns : {false, true}) {
+        health sensor;
+        frame stuck{};
+        stuck[700] = 200;
+        for (int i = 0; i < 20; ++i)
+            learns ? sensor.learn(stuck) : static_cast<void>(sensor.clean(stuck));
+        REQUIRE(sensor.faults().size() == 1);
+        CHECK(sensor.faults()[0].row == 14);
+        CHECK(sensor.faults()[0].column == 0);
+        CHECK(cleaned(sensor, stuck) == frame{});
+        for (int i = 0; i < 200; ++i)
+            (void)sensor.clean(frame{});
+        CHECK(sensor.faults().empty());
+        sensor.follow(frame{});
+        frame pressed = touch(14, 3);
+        CHECK(cleaned(sensor, pressed) == pressed);
+    }
+}
+
+TEST_CASE(
+    "sensor_health: an offset that all tactels have in common is followed, in air and during a contact") {
+    for (const frame& under : {frame{}, touch()}) {
+        health sensor;
+        frame raw = under;
+        for (std::uint8_t& count : raw)
+            count = static_cast<std::uint8_t>(std::min(255, count + 8));
+        for (int i = 0; i < 8; ++i)
+            (void)sensor.clean(raw);
+        CHECK(cleaned(sensor, raw) == under);
+        CHECK(sensor.mean_baseline() == 8);
+        for (int i = 0; i < 8; ++i)
+            (void)sensor.clean(under);
+        CHECK(cleaned(sensor, under) == under);
+        CHECK(sensor.mean_baseline() == 0);
+    }
+}
+
+TEST_CASE("sensor_health: a contact of ten minutes is not taken for air") {
+    health sensor;
+    for (int i = 0; i < 60'000; ++i)
+        (void)sensor.clean(touch()); // follow is not called: a contact is known
+    CHECK(cleaned(sensor, touch()) == touch());
+}
+
+TEST_CASE("sensor_health: follow moves the baseline by its step, up and down, to the counts of air") {
+    health_settings settings;
+    settings.follow = 128; // half a count per frame
+    health sensor(settings);
+    frame air{};
+    air.fill(5);
+    for (int i = 0; i < 4; ++i)
+        sensor.follow(air);
+    CHECK(sensor.mean_baseline() == 2);
+    for (int i = 0; i < 20; ++i)
+        sensor.follow(air);
+    CHECK(sensor.mean_baseline() == 5);
+    CHECK(cleaned(sensor, air) == frame{});
+    for (int i = 0; i < 20; ++i)
+        sensor.follow(frame{});
+    CHECK(sensor.mean_baseline() == 0);
+}
+
+TEST_CASE("sensor_health: an array with too many faults is worn out, and still gives frames") {
+    health sensor;
+    frame broken{};
+    for (std::size_t row = 1; row < 28; row += 3)
+        for (std::size_t column = 0; column < 50; ++column)
+            broken[row * 50 + column] = 255;
+    for (int i = 0; i < 100; ++i)
+        (void)sensor.clean(broken);
+    CHECK(sensor.worn_out());
+    CHECK(sensor.faults().size() == health::most_faults);
+    // Spikes are replaced all the same, but for one beside those that the list has no room for.
+    const frame found = cleaned(sensor, broken);
+    CHECK(std::count(found.begin(), found.end(), 0) >= 1399);
+}
+
+TEST_CASE("sensor_health: calls do not allocate, for arrays of any size") {
+    const auto check = []<shape Array>(std::integral_constant<shape, Array>) {
+        std::mt19937 random(Array.rows);
+        std::array<std::uint8_t, Array.size()> raw{};
+        sensor_health<Array> sensor;
+        const std::size_t before = support::allocations();
+        for (int i = 0; i < 200; ++i) {
+            for (std::uint8_t& count : raw)
+                count = static_cast<std::uint8_t>(random() % 256);
+            if (i < 5)
+                sensor.learn(raw);
+            (void)sensor.clean(raw);
+            sensor.follow(raw);
+        }
+        CHECK(support::allocations() == before);
+    };
+    check(std::integral_constant<shape, shape{7, 13}>{});
+    check(std::integral_constant<shape, shape{1, 1}>{});
+    check(std::integral_constant<shape, shape{3, 200}>{});
+    check(std::integral_constant<shape, shape{100, 100}>{});
+}

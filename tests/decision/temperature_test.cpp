@@ -1,0 +1,155 @@
+#include <tactnet/decision/reliability_diagram.hpp>
+#include <tactnet/decision/temperature.hpp>
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <random>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+constexpr std::size_t outputs = 6, classes = 5;
+
+struct samples {
+    std::vector<float> logits;
+    std::vector<std::size_t> labels;
+};
+/// Images whose classes have the probabilities of a softmax at a temperature.
+samples draw(std::size_t count, double temperature, std::uint32_t seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<float> logit(0, 3);
+    samples drawn;
+    for (std::size_t i = 0; i < count; ++i) {
+        std::array<double, classes> shares{};
+        for (std::size_t c = 0; c < classes; ++c) {
+            drawn.logits.push_back(logit(random));
+            shares[c] = std::exp(static_cast<double>(drawn.logits.back()) / temperature);
+        }
+        drawn.logits.push_back(100); // an output that stands for nothing
+        drawn.labels.push_back(std::discrete_distribution<std::size_t>(shares.begin(), shares.end())(random));
+    }
+    return drawn;
+}
+reliability_diagram of(const samples& images, const temperature_scaling& scaling) {
+    reliability_diagram found;
+    for (std::size_t i = 0; i < images.labels.size(); ++i) {
+        const auto most = scaling.classify(std::span(images.logits).subspan(i * outputs, outputs), classes);
+        REQUIRE(most.has_value());
+        found.add(most->probability, most->index == images.labels[i]);
+    }
+    return found;
+}
+std::string error_of(std::span<const float> logits, std::span<const std::size_t> labels) {
+    try {
+        (void)fit_temperature(logits, outputs, labels, classes);
+    } catch (const std::invalid_argument& error) {
+        return error.what();
+    }
+    return "";
+}
+
+} // namespace
+
+TEST_CASE("fit_temperature: finds the temperature that labels were drawn at, which mends the calibration") {
+    for (const double temperature : {0.5, 1.0, 2.5}) {
+        const samples held_out = draw(20'000, temperature, 1), test = draw(20'000, temperature, 2);
+        const temperature_scaling found = fit_temperature(held_out.logits, outputs, held_out.labels, classes);
+        CAPTURE(temperature);
+        CHECK(found.temperature == doctest::Approx(temperature).epsilon(0.05));
+        // 15 bins of 20 000 samples: about 15 × 0.4 / √(20 000 · 15) for calibrated ones.
+        CHECK(of(test, found).calibration_error() < 0.015);
+        if (temperature != 1) {
+            CHECK(of(test, {1}).calibration_error() > 0.05);
+            CHECK(of(test, {1}).brier_score() > of(test, found).brier_score());
+        }
+    }
+}
+
+TEST_CASE("fit_temperature: stays near 1 with few images, and finite where all are right or all are wrong") {
+    const samples few = draw(3, 0.2, 3);
+    CHECK(fit_temperature(few.logits, outputs, few.labels, classes).temperature ==
+          doctest::Approx(1).epsilon(0.3));
+    samples all = draw(1000, 1, 4);
+    for (std::size_t i = 0; i < all.labels.size(); ++i)
+        all.labels[i] = first_largest(std::span(all.logits).subspan(i * outputs, classes));
+    const double right = fit_temperature(all.logits, outputs, all.labels, classes).temperature;
+    CHECK(right > 0.05);
+    CHECK(right < 0.5);
+    for (std::size_t& label : all.labels)
+        label = (label + 1) % classes;
+    const double wrong = fit_temperature(all.logits, outputs, all.labels, classes).temperature;
+    CHECK(wrong > 3);
+    CHECK(wrong < 20.001);
+}
+
+TEST_CASE("fit_temperature: refuses what it cannot fit") {
+    const samples images = draw(4, 1, 5);
+    CHECK(error_of({}, {}) ==
+          "fit_temperature: expected images with a row of 6 logits each, of which 5 stand for a "
+          "class, found 0 labels and 0 logits");
+    CHECK(error_of(std::span(images.logits).first(23), images.labels)
+              .ends_with("found 4 labels and 23 logits"));
+    std::vector<std::size_t> labels = images.labels;
+    labels[2] = 5;
+    CHECK(error_of(images.logits, labels) == "fit_temperature: expected labels below 5, found 5");
+    for (const float bad :
+         {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+        std::vector<float> logits = images.logits;
+        logits[3 * outputs + 1] = bad;
+        CHECK(error_of(logits, images.labels) ==
+              "fit_temperature: expected finite logits, found others for image 3");
+    }
+}
+
+TEST_CASE("temperature_scaling: probabilities of a softmax of logits ÷ temperature, of the same class") {
+    const std::array<float, 3> logits{1, 3, 2};
+    for (const double temperature : {0.5, 1.0, 4.0}) {
+        const temperature_scaling scaling{temperature};
+        const double sum = std::exp(1 / temperature) + std::exp(3 / temperature) + std::exp(2 / temperature);
+        const auto found = scaling.classify(logits, 3);
+        REQUIRE(found.has_value());
+        CHECK(found->index == 1);
+        CHECK(found->probability == doctest::Approx(std::exp(3 / temperature) / sum).epsilon(1e-12));
+        std::array<double, 3> logarithms{};
+        REQUIRE(scaling.log_probabilities(logits, logarithms));
+        for (std::size_t c = 0; c < 3; ++c)
+            CHECK(
+                logarithms[c] ==
+                doctest::Approx(static_cast<double>(logits[c]) / temperature - std::log(sum)).epsilon(1e-12));
+    }
+    CHECK(temperature_scaling{}.classify(logits, 3)->probability == classify_logits(logits, 3)->probability);
+    const std::array<float, 2> broken{0, std::numeric_limits<float>::quiet_NaN()};
+    CHECK_FALSE(temperature_scaling{}.classify(broken, 2).has_value());
+    std::array<double, 2> logarithms{7, 7};
+    CHECK_FALSE(temperature_scaling{}.log_probabilities(broken, logarithms));
+    CHECK(logarithms[0] == 7);
+}
+
+TEST_CASE("reliability_diagram: bins, calibration error and Brier score, by hand") {
+    reliability_diagram found;
+    CHECK(found.calibration_error() == 0);
+    CHECK(found.brier_score() == 0);
+    found.add(0.95, true);
+    found.add(0.95, false);
+    found.add(0.5, true);
+    found.add(0, false);
+    found.add(std::numeric_limits<double>::quiet_NaN(), true);
+    CHECK(found.bins()[14].count == 2);
+    CHECK(found.bins()[14].accuracy() == 0.5);
+    CHECK(found.bins()[14].mean_probability() == doctest::Approx(0.95));
+    CHECK(found.bins()[7].right == 1);
+    CHECK(found.bins()[0].count == 1);
+    CHECK(found.calibration_error() == doctest::Approx((2 * 0.45 + 0.5 + 0) / 4));
+    CHECK(found.brier_score() == doctest::Approx((0.05 * 0.05 + 0.95 * 0.95 + 0.25 + 0) / 4));
+    found.add(1.5, true); // as 1
+    CHECK(found.bins()[14].count == 3);
+}
