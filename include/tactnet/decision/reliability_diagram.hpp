@@ -9,8 +9,8 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// How well the probabilities of recognised classes agree with how often they are right: a
-/// reliability_diagram diagram, the expected calibration error (Naeini et al., 2015) and the Brier score of
+/// How well the probabilities of recognised classes agree with how often they are right: a reliability
+/// diagram, the expected calibration error (Naeini et al., 2015) and the Brier score of
 /// the recognised class.
 class reliability_diagram {
 public:
