@@ -147,6 +147,12 @@ std::vector<std::size_t> labels_of(const image_set& images, std::span<const std:
     return labels;
 }
 
+/// How often the right class is in a set, and how large sets are.
+struct sets {
+    double promised = 0;
+    std::size_t held = 0, members = 0;
+};
+
 /// Test images of one object after the other, in an order of their own, until a decision.
 struct sequential {
     double promised = 0;
@@ -181,6 +187,7 @@ void run(const std::string& folder, std::size_t splits) {
     thread_pool threads(1);
     std::array<outcome, faults.size()> sums{};
     reliability_diagram before, after;
+    std::array<sets, 3> prediction_sets{{{0.9}, {0.95}, {0.98}}};
     std::array<sequential, 4> decisions{{{0.1}, {0.05}, {0.01}, {0.001}}};
     double temperatures = 0;
     std::size_t tested = 0;
@@ -204,9 +211,18 @@ void run(const std::string& folder, std::size_t splits) {
         }
         const auto logits = logits_of(network, images, parts.test);
         const auto labels = labels_of(images, parts.test);
-        const temperature_scaling scaling =
-            fit_temperature(logits_of(network, images, parts.validation), classes,
-                            labels_of(images, parts.validation), classes);
+        const auto held_out = logits_of(network, images, parts.validation);
+        const auto held_out_labels = labels_of(images, parts.validation);
+        const temperature_scaling scaling = fit_temperature(held_out, classes, held_out_labels, classes);
+        for (sets& each : prediction_sets) {
+            const auto set =
+                prediction_set::fit(scaling, each.promised, held_out, classes, held_out_labels, classes);
+            for (std::size_t i = 0; i < labels.size(); ++i) {
+                std::array<bool, classes> members{};
+                each.members += set.predict(std::span(logits).subspan(i * classes, classes), members);
+                each.held += members[labels[i]];
+            }
+        }
         temperatures += scaling.temperature;
         for (std::size_t i = 0; i < labels.size(); ++i)
             for (auto& [diagram, by] :
@@ -236,6 +252,10 @@ void run(const std::string& folder, std::size_t splits) {
     std::printf("| of the softmax | %.2f | %.4f |\n", 100 * before.calibration_error(), before.brier_score());
     std::printf("| at the fitted temperature, %.2f on average | %.2f | %.4f |\n", temperatures / count,
                 100 * after.calibration_error(), after.brier_score());
+    std::printf("\n| promised coverage, %% | coverage, %% | classes in a set |\n|---|---|---|\n");
+    for (const sets& each : prediction_sets)
+        std::printf("| %.0f | %.2f | %.3f |\n", 100 * each.promised, percent(each.held, tested),
+                    static_cast<double>(each.members) / static_cast<double>(tested));
     std::printf("\n| promised errors, %% | touches | wrong, %% | undecided after ten touches, %% "
                 "|\n|---|---|---|---|\n");
     for (const sequential& each : decisions)

@@ -2,6 +2,7 @@
 
 #include <tactnet/decision/contact_detector.hpp>
 #include <tactnet/decision/gain_monitor.hpp>
+#include <tactnet/decision/prediction_set.hpp>
 #include <tactnet/decision/reliability_diagram.hpp>
 #include <tactnet/decision/sensor_health.hpp>
 #include <tactnet/decision/tactel_fault.hpp>

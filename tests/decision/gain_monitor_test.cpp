@@ -19,6 +19,7 @@ TEST_CASE("force_statistics: mean and deviation of the logarithms, without empty
     CHECK(found.deviation ==
           doctest::Approx(
               std::sqrt(((a - mean) * (a - mean) + (b - mean) * (b - mean) + (c - mean) * (c - mean)) / 2)));
+    CHECK(force_statistics::of(std::vector<std::uint8_t>{2, 8}, 1).mean == doctest::Approx(std::log(4.0)));
     CHECK(force_statistics::of({}, 2).mean == 0);
     CHECK(force_statistics::of(images, 0).deviation == 0);
     CHECK(force_statistics::of(std::vector<std::uint8_t>{3, 3}, 2).deviation == 0);
@@ -53,6 +54,16 @@ TEST_CASE("gain_monitor: few touches move the estimate little") {
     gain_monitor monitor({9, 0.6}, 50, 0.3);
     monitor.add_touch(std::exp(9.0) * 0.5);
     CHECK(monitor.gain() == doctest::Approx(std::exp(std::log(0.5) / 5))); // 1 / (1 + (0.6 / 0.3)²)
+}
+
+TEST_CASE("gain_monitor: older touches weigh less, by the memory") {
+    gain_monitor monitor({0, 0}, 4); // forces that do not scatter: no shrinkage
+    monitor.add_touch(0.5);
+    monitor.add_touch(0.5);
+    monitor.add_touch(2);
+    const double first = 0.75 * 0.75, second = 0.75;
+    CHECK(std::log(monitor.gain()) ==
+          doctest::Approx(std::log(2.0) * (1 - first - second) / (1 + first + second)));
 }
 
 TEST_CASE("gain_monitor: no force, NaN and infinity are no touches") {

@@ -159,8 +159,37 @@ TEST_CASE("sensor_health: a stuck tactel that moves again is used again, also on
     }
 }
 
-TEST_CASE(
-    "sensor_health: an offset that all tactels have in common is followed, in air and during a contact") {
+TEST_CASE("sensor_health: of several faulty tactels, each recovers by itself, and may fail again") {
+    frame both{}, second{};
+    both[3 * 50 + 5] = both[20 * 50 + 40] = second[20 * 50 + 40] = 255;
+    health sensor;
+    for (int i = 0; i < 20; ++i)
+        (void)sensor.clean(both);
+    REQUIRE(sensor.faults().size() == 2);
+    for (int i = 0; i < 150; ++i)
+        (void)sensor.clean(frame{});
+    (void)sensor.clean(second); // starts again
+    for (int i = 0; i < 50; ++i)
+        (void)sensor.clean(frame{});
+    REQUIRE(sensor.faults().size() == 1);
+    CHECK(sensor.faults()[0].row == 20);
+    CHECK(sensor.faults()[0].column == 40);
+    CHECK(cleaned(sensor, touch(3, 5)) == touch(3, 5)); // the first is used again
+    for (int i = 0; i < 148; ++i)
+        (void)sensor.clean(frame{});
+    CHECK(sensor.faults().size() == 1);
+    (void)sensor.clean(frame{});
+    CHECK(sensor.faults().empty());
+    for (int i = 0; i < 15; ++i)
+        (void)sensor.clean(second);
+    CHECK(sensor.faults().empty());
+    for (int i = 0; i < 15; ++i)
+        (void)sensor.clean(second);
+    CHECK(sensor.faults().size() == 1);
+    CHECK(sensor.faults()[0].since == 386);
+}
+
+TEST_CASE("sensor_health: an offset that all tactels have in common is followed, in air and in a contact") {
     for (const frame& under : {frame{}, touch()}) {
         health sensor;
         frame raw = under;
@@ -175,6 +204,22 @@ TEST_CASE(
         CHECK(cleaned(sensor, under) == under);
         CHECK(sensor.mean_baseline() == 0);
     }
+}
+
+TEST_CASE("sensor_health: the lowest quarter of an array is its baseline") {
+    health sensor;
+    frame raw{};
+    raw.fill(8);
+    for (int i = 0; i < 8; ++i)
+        (void)sensor.clean(raw);
+    REQUIRE(sensor.mean_baseline() == 8);
+    raw.fill(100);
+    std::fill_n(raw.begin(), 349, std::uint8_t{0});
+    (void)sensor.clean(raw); // too many are pressed: the offset rises
+    CHECK(sensor.mean_baseline() == 9);
+    raw[349] = 0;
+    (void)sensor.clean(raw);
+    CHECK(sensor.mean_baseline() == 8);
 }
 
 TEST_CASE("sensor_health: a contact of ten minutes is not taken for air") {
@@ -195,6 +240,8 @@ TEST_CASE("sensor_health: follow moves the baseline by its step, up and down, to
     CHECK(sensor.mean_baseline() == 2);
     for (int i = 0; i < 20; ++i)
         sensor.follow(air);
+    CHECK(sensor.mean_baseline() == 5);
+    sensor.follow(air); // stays
     CHECK(sensor.mean_baseline() == 5);
     CHECK(cleaned(sensor, air) == frame{});
     for (int i = 0; i < 20; ++i)

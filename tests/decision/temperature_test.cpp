@@ -91,6 +91,20 @@ TEST_CASE("fit_temperature: stays near 1 with few images, and finite where all a
     CHECK(wrong < 20.001);
 }
 
+TEST_CASE("fit_temperature: every image counts, in any order, also where every output stands for a class") {
+    // One image is right by a margin of 4, one wrong by 1: the least of 10 log² T + log(1 + e^(−4/T)) + log(1
+    // + e^(1/T)).
+    const std::array<float, 4> logits{4, 0, 0, 1}, turned{0, 1, 4, 0};
+    const std::array<std::size_t, 2> labels{0, 0};
+    const double found = fit_temperature(logits, 2, labels, 2).temperature;
+    CHECK(fit_temperature(turned, 2, labels, 2).temperature == doctest::Approx(found).epsilon(1e-7));
+    const auto loss = [](double t) {
+        return 10 * std::log(t) * std::log(t) + std::log1p(std::exp(-4 / t)) + std::log1p(std::exp(1 / t));
+    };
+    CHECK(loss(found) < loss(found * 1.001));
+    CHECK(loss(found) < loss(found / 1.001));
+}
+
 TEST_CASE("fit_temperature: refuses what it cannot fit") {
     const samples images = draw(4, 1, 5);
     CHECK(error_of({}, {}) ==

@@ -48,11 +48,11 @@ TEST_CASE("touch_evidence: grasps count as independent, the frames of a grasp by
     CHECK(evidence.grasps() == 0);
     CHECK_FALSE(evidence.most_likely().has_value());
 
-    for (const double correlation : {0.0, 0.5}) {
+    for (const double correlation : {-1.0, 0.0, 0.5, 1.0, 7.0}) {
         touch_evidence<4> partly(3, {}, correlation);
         (void)partly.add_frame(first);
         (void)partly.add_frame(second);
-        const auto weight = static_cast<float>(1 / (1 + correlation));
+        const auto weight = static_cast<float>(1 / (1 + std::clamp(correlation, 0.0, 1.0)));
         CHECK(partly.most_likely()->probability ==
               doctest::Approx(probability_of({4 * weight, 3 * weight, 0, 9}, 3)));
     }

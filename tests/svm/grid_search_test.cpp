@@ -63,6 +63,12 @@ TEST_CASE(
                 }
             CHECK(std::abs(found.accuracy - best) <= 1.0 / 160 + 1e-12);
             CHECK(found.converged);
+            const auto first_best =
+                static_cast<std::size_t>(std::max_element(found.accuracies.begin(), found.accuracies.end()) -
+                                         found.accuracies.begin());
+            CHECK(found.accuracy == found.accuracies[first_best]);
+            CHECK(found.kernel.gamma == grid.kernels[first_best / 3].gamma);
+            CHECK(found.cost == grid.costs[first_best % 3]);
         }
 }
 

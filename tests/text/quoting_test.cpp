@@ -27,6 +27,10 @@ TEST_CASE("quoting: well-formed UTF-8, as the Unicode standard's table has it") 
     CHECK_FALSE(is_utf8("\xED\xA0\x80"));     // a surrogate
     CHECK_FALSE(is_utf8("\xF4\x90\x80\x80")); // above U+10FFFF
     CHECK_FALSE(is_utf8("\xF5\x80\x80\x80"));
+    CHECK_FALSE(is_utf8("\xE2\x28\x80")); // each byte behind the first must continue it
+    CHECK_FALSE(is_utf8("\xE2\x82\x28"));
+    CHECK_FALSE(is_utf8("\xF0\x9F\x28\x80"));
+    CHECK_FALSE(is_utf8("\xF0\x9F\x98\x28"));
     CHECK_FALSE(is_utf8("\xC3"));
     CHECK_FALSE(is_utf8("\xE2\x82"));
     CHECK_FALSE(is_utf8("\xF0\x9F\x98"));

@@ -46,6 +46,29 @@ struct temperature_scaling {
     }
 };
 
+namespace detail {
+
+/// Throws std::invalid_argument unless there are images, and for each a row of finite logits and a label.
+inline void check_held_out(const std::string& caller, std::span<const float> logits, std::size_t outputs,
+                           std::span<const std::size_t> labels, std::size_t classes) {
+    if (labels.empty() || classes == 0 || classes > outputs || logits.size() != labels.size() * outputs)
+        throw std::invalid_argument(caller + ": expected images with a row of " + std::to_string(outputs) +
+                                    " logits each, of which " + std::to_string(classes) +
+                                    " stand for a class, found " + std::to_string(labels.size()) +
+                                    " labels and " + std::to_string(logits.size()) + " logits");
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+        if (labels[i] >= classes)
+            throw std::invalid_argument(caller + ": expected labels below " + std::to_string(classes) +
+                                        ", found " + std::to_string(labels[i]));
+        for (const float logit : logits.subspan(i * outputs, classes))
+            if (!(std::abs(logit) <= std::numeric_limits<float>::max()))
+                throw std::invalid_argument(caller + ": expected finite logits, found others for image " +
+                                            std::to_string(i));
+    }
+}
+
+} // namespace detail
+
 /// Finds the temperature at which held-out images are most likely, by their logits (a row of `outputs` per
 /// image, the first `classes` of which stand for a class) and labels. Take images that the network was not
 /// trained on; the validation set will do. With few images the temperature stays near 1: ten nats for each
@@ -56,22 +79,13 @@ struct temperature_scaling {
 [[nodiscard]] inline temperature_scaling fit_temperature(std::span<const float> logits, std::size_t outputs,
                                                          std::span<const std::size_t> labels,
                                                          std::size_t classes) {
-    if (labels.empty() || classes == 0 || classes > outputs || logits.size() != labels.size() * outputs)
-        throw std::invalid_argument(
-            "fit_temperature: expected images with a row of " + std::to_string(outputs) +
-            " logits each, of which " + std::to_string(classes) + " stand for a class, found " +
-            std::to_string(labels.size()) + " labels and " + std::to_string(logits.size()) + " logits");
+    detail::check_held_out("fit_temperature", logits, outputs, labels, classes);
     std::vector<double> log_probabilities(classes);
     const auto loss = [&](double log_temperature) {
         const temperature_scaling tried{std::exp(log_temperature)};
         double sum = 10 * log_temperature * log_temperature;
         for (std::size_t i = 0; i < labels.size(); ++i) {
-            if (labels[i] >= classes)
-                throw std::invalid_argument("fit_temperature: expected labels below " +
-                                            std::to_string(classes) + ", found " + std::to_string(labels[i]));
-            if (!tried.log_probabilities(logits.subspan(i * outputs, outputs), log_probabilities))
-                throw std::invalid_argument(
-                    "fit_temperature: expected finite logits, found others for image " + std::to_string(i));
+            (void)tried.log_probabilities(logits.subspan(i * outputs, outputs), log_probabilities);
             sum -= log_probabilities[labels[i]];
         }
         return sum;

@@ -496,6 +496,8 @@ TEST_CASE("tekscan_ascii: headers that make no sense") {
     for (const std::string range : {"5\nEND_FRAME 4\n", "0\nEND_FRAME 18446744073709551615\n"})
         CHECK(error("ROWS 1\nCOLS 1\nSTART_FRAME " + range).find("expected an END_FRAME not before") !=
               std::string::npos);
+    for (const std::string line : {"START_FRAME one\n", "END_FRAME 2x\n", "START_FRAME -1\n"})
+        CHECK(error("ROWS 1\nCOLS 1\n" + line).find("expected the number of a frame") != std::string::npos);
     CHECK(decode("ROWS 1\nCOLS 1\n").error ==
           "byte 13, line 2: expected a header that ends with 'ASCII_DATA @@', found the end of the data");
     CHECK(decode("").status == decode_status::damaged);
