@@ -216,7 +216,7 @@ void run(const std::string& folder, std::size_t splits) {
         const temperature_scaling scaling = fit_temperature(held_out, classes, held_out_labels, classes);
         for (sets& each : prediction_sets) {
             const auto set =
-                prediction_set::fit(scaling, each.promised, held_out, classes, held_out_labels, classes);
+                fit_prediction_set(scaling, each.promised, held_out, classes, held_out_labels, classes);
             for (std::size_t i = 0; i < labels.size(); ++i) {
                 std::array<bool, classes> members{};
                 each.members += set.predict(std::span(logits).subspan(i * classes, classes), members);

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <tactnet/decision/contact_detector.hpp>
+#include <tactnet/decision/fitting.hpp>
 #include <tactnet/decision/gain_monitor.hpp>
 #include <tactnet/decision/prediction_set.hpp>
 #include <tactnet/decision/reliability_diagram.hpp>
 #include <tactnet/decision/sensor_health.hpp>
 #include <tactnet/decision/tactel_fault.hpp>
-#include <tactnet/decision/temperature.hpp>
+#include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/decision/touch_evidence.hpp>

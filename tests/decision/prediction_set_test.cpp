@@ -1,3 +1,4 @@
+#include <tactnet/decision/fitting.hpp>
 #include <tactnet/decision/prediction_set.hpp>
 
 #include <doctest/doctest.h>
@@ -36,7 +37,7 @@ samples draw(std::size_t count, std::mt19937& random) {
 }
 std::string error_of(double coverage, std::span<const float> logits, std::span<const std::size_t> labels) {
     try {
-        (void)prediction_set::fit({}, coverage, logits, classes, labels, classes);
+        (void)fit_prediction_set({}, coverage, logits, classes, labels, classes);
     } catch (const std::invalid_argument& error) {
         return error.what();
     }
@@ -53,8 +54,8 @@ TEST_CASE("prediction_set: holds the right class as often as promised, whatever 
             std::size_t held = 0, tried = 0, members_in_all = 0;
             for (std::size_t d = 0; d < draws; ++d) {
                 const samples held_out = draw(200, random), test = draw(images, random);
-                const auto set = prediction_set::fit({temperature}, coverage, held_out.logits, classes,
-                                                     held_out.labels, classes);
+                const auto set = fit_prediction_set({temperature}, coverage, held_out.logits, classes,
+                                                    held_out.labels, classes);
                 for (std::size_t i = 0; i < images; ++i) {
                     std::array<bool, classes> members{};
                     members_in_all +=
@@ -94,15 +95,16 @@ TEST_CASE("prediction_set: members by hand") {
 TEST_CASE("prediction_set: of few images, all classes; of too few or wrong ones, an error") {
     std::mt19937 random(4);
     const samples few = draw(18, random);
-    const auto all = prediction_set::fit({}, 0.95, few.logits, classes, few.labels, classes);
+    const auto all = fit_prediction_set({}, 0.95, few.logits, classes, few.labels, classes);
     CHECK(all.least_probability() == 0);
     std::array<bool, classes> members{};
     CHECK(all.predict(std::span(few.logits).first(classes), members) == classes);
     const samples enough = draw(19, random);
-    CHECK(prediction_set::fit({}, 0.95, enough.logits, classes, enough.labels, classes).least_probability() >
+    CHECK(fit_prediction_set({}, 0.95, enough.logits, classes, enough.labels, classes).least_probability() >
           0);
     for (const double coverage : {0.0, 1.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
         CHECK(error_of(coverage, few.logits, few.labels)
-                  .starts_with("prediction_set: expected a coverage above 0 and below 1, found"));
-    CHECK(error_of(0.9, {}, {}).starts_with("prediction_set: expected images with a row of 6 logits each"));
+                  .starts_with("fit_prediction_set: expected a coverage above 0 and below 1, found"));
+    CHECK(
+        error_of(0.9, {}, {}).starts_with("fit_prediction_set: expected images with a row of 6 logits each"));
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/decision/temperature.hpp>
+#include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/networks/recognition.hpp>
 
 #include <algorithm>

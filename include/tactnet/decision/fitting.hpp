@@ -1,50 +1,21 @@
 #pragma once
 
-#include <tactnet/networks/recognition.hpp>
+#include <tactnet/decision/prediction_set.hpp>
+#include <tactnet/decision/temperature_scaling.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
-#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
-// From logits to probabilities that are what they say: among frames recognised with a probability of 0.9,
-// nine of ten are right (Guo et al., "On calibration of modern neural networks", 2017).
+// What is chosen by held-out images, before a network is deployed.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
-
-/// A softmax of logits divided by a temperature. Below 1, probabilities are more extreme; the class stays the
-/// same.
-struct temperature_scaling {
-    double temperature = 1;
-
-    /// The most likely of the first `classes` outputs, as classify_logits returns it.
-    [[nodiscard]] std::optional<recognition> classify(std::span<const float> logits,
-                                                      std::size_t classes) const noexcept {
-        return detail::classify_by(logits, classes, [this](double logit, double largest) {
-            return std::exp((logit - largest) / temperature);
-        });
-    }
-    /// Writes the logarithm of the probability of each class; nothing unless all logits are finite. Returns
-    /// whether they are.
-    [[nodiscard]] bool log_probabilities(std::span<const float> logits, std::span<double> to) const noexcept {
-        double largest = -std::numeric_limits<double>::infinity(), sum = 0;
-        for (const float logit : logits.first(to.size())) {
-            if (!(std::abs(logit) <= std::numeric_limits<float>::max()))
-                return false;
-            largest = std::max(largest, static_cast<double>(logit));
-        }
-        for (const float logit : logits.first(to.size()))
-            sum += std::exp((static_cast<double>(logit) - largest) / temperature);
-        for (std::size_t c = 0; c < to.size(); ++c)
-            to[c] = (static_cast<double>(logits[c]) - largest) / temperature - std::log(sum);
-        return true;
-    }
-};
 
 namespace detail {
 
@@ -105,6 +76,34 @@ inline void check_held_out(const std::string& caller, std::span<const float> log
         }
     }
     return {std::exp((low + high) / 2)};
+}
+
+/// Chooses the least probability of a prediction_set by held-out images (split conformal prediction: Vovk et
+/// al., 2005): logits and labels as for fit_temperature. If frames to come are exchangeable with these, the
+/// right class is in the set with a probability of `coverage` or more, whatever the network. With fewer than
+/// coverage ÷ (1 − coverage) images, 19 for 0.95, sets hold all classes.
+///
+/// Throws std::invalid_argument unless `coverage` is above 0 and below 1, there are images, a row of
+/// logits and a label below `classes` for each, and all logits are finite.
+[[nodiscard]] inline prediction_set fit_prediction_set(const temperature_scaling& scaling, double coverage,
+                                                       std::span<const float> logits, std::size_t outputs,
+                                                       std::span<const std::size_t> labels,
+                                                       std::size_t classes) {
+    if (!(coverage > 0 && coverage < 1))
+        throw std::invalid_argument("fit_prediction_set: expected a coverage above 0 and below 1, found " +
+                                    std::to_string(coverage));
+    detail::check_held_out("fit_prediction_set", logits, outputs, labels, classes);
+    std::vector<double> of_right_class, logarithms(classes);
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+        (void)scaling.log_probabilities(logits.subspan(i * outputs, outputs), logarithms);
+        of_right_class.push_back(std::exp(logarithms[labels[i]]));
+    }
+    // The (n + 1) × coverage largest of n.
+    const double rank = std::ceil(static_cast<double>(labels.size() + 1) * coverage);
+    if (rank > static_cast<double>(labels.size()))
+        return prediction_set(scaling, 0);
+    std::sort(of_right_class.begin(), of_right_class.end(), std::greater<>());
+    return prediction_set(scaling, of_right_class[static_cast<std::size_t>(rank) - 1]);
 }
 
 }} // namespace tactnet

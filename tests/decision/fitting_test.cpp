@@ -1,5 +1,6 @@
+#include <tactnet/decision/fitting.hpp>
 #include <tactnet/decision/reliability_diagram.hpp>
-#include <tactnet/decision/temperature.hpp>
+#include <tactnet/decision/temperature_scaling.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <tactnet/networks/recognition.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <span>
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// A softmax of logits divided by a temperature. Below 1, probabilities are more extreme; the class stays the
+/// same.
+struct temperature_scaling {
+    double temperature = 1;
+
+    /// The most likely of the first `classes` outputs, as classify_logits returns it.
+    [[nodiscard]] std::optional<recognition> classify(std::span<const float> logits,
+                                                      std::size_t classes) const noexcept {
+        return detail::classify_by(logits, classes, [this](double logit, double largest) {
+            return std::exp((logit - largest) / temperature);
+        });
+    }
+    /// Writes the logarithm of the probability of each class; nothing unless all logits are finite. Returns
+    /// whether they are.
+    [[nodiscard]] bool log_probabilities(std::span<const float> logits, std::span<double> to) const noexcept {
+        double largest = -std::numeric_limits<double>::infinity(), sum = 0;
+        for (const float logit : logits.first(to.size())) {
+            if (!(std::abs(logit) <= std::numeric_limits<float>::max()))
+                return false;
+            largest = std::max(largest, static_cast<double>(logit));
+        }
+        for (const float logit : logits.first(to.size()))
+            sum += std::exp((static_cast<double>(logit) - largest) / temperature);
+        for (std::size_t c = 0; c < to.size(); ++c)
+            to[c] = (static_cast<double>(logits[c]) - largest) / temperature - std::log(sum);
+        return true;
+    }
+};
+
+}} // namespace tactnet
