@@ -162,6 +162,12 @@ public:
         return with_name(view().classify(frame));
     }
 
+    /// As of the view: what the last layer reads.
+    static constexpr std::size_t features = view_type::features;
+    void read_features(const workspace& memory, std::span<float, features> to) const noexcept {
+        view().read_features(memory, to);
+    }
+
     /// Writes the outputs of many frames, one row per frame, on all threads of a pool. The bits are those of
     /// each frame alone. Returns `not_finite` if one of the frames is broken. Throws std::invalid_argument
     /// unless there is a row of outputs for each frame.

@@ -193,6 +193,27 @@ public:
         else
             return classify_logits(found, classes_);
     }
+    /// How many numbers the last layer reads: the features of a frame, if it is a dense layer. 0 for a
+    /// network of a single step.
+    static constexpr std::size_t features = [] {
+        if constexpr (requires { Steps::before_last_map; })
+            return Steps::size > 1 ? Steps::before_last::output.size() : std::size_t{0};
+        else
+            return std::size_t{0};
+    }();
+    /// Copies the features of the frame that `infer` or `classify` was last called for with this workspace,
+    /// ordered [channel][row][column]. In 8 bits they are counts of the format's step from 0.
+    void read_features(const workspace& memory, std::span<float, features> to) const noexcept {
+        static_assert(features > 0, "read_features: the last layer of this network reads the frame");
+        using before = typename Steps::before_last;
+        static_assert(before::number_elements == 1, "read_features: the last layer reads no single numbers");
+        const activation* const map =
+            memory.elements.data() + input::map + output::map + Steps::before_last_map;
+        for (std::size_t channel = 0; channel < before::output.channels; ++channel)
+            for (std::size_t pixel = 0; pixel < before::output.area(); ++pixel)
+                to[channel * before::output.area() + pixel] =
+                    static_cast<float>(map[pixel * before::output_stride + channel]);
+    }
     /// How many outputs stand for a class: the first ones.
     [[nodiscard]] constexpr std::size_t class_count() const noexcept { return classes_; }
 

@@ -51,6 +51,10 @@ struct step_chain : step_defaults {
     static constexpr std::size_t workspace_elements =
         buffers * buffer + std::max({Steps::workspace_elements...});
 
+    /// The step whose map the last one reads, and where `run` leaves this map in its memory.
+    using before_last = at<(size > 1 ? size - 2 : 0)>;
+    static constexpr std::size_t before_last_map = size > 1 ? (size - 2) % 2 * buffer : 0;
+
     static constexpr bool gives_probabilities = at<size - 1>::gives_probabilities;
     static constexpr bool large = (Steps::large || ...);
 
