@@ -1,6 +1,8 @@
 #pragma once
 
 #include <tactnet/decision/contact_detector.hpp>
+#include <tactnet/decision/discriminant.hpp>
+#include <tactnet/decision/fit_discriminant.hpp>
 #include <tactnet/decision/fitting.hpp>
 #include <tactnet/decision/gain_monitor.hpp>
 #include <tactnet/decision/prediction_set.hpp>

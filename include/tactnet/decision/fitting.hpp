@@ -106,4 +106,25 @@ inline void check_held_out(const std::string& caller, std::span<const float> log
     return prediction_set(scaling, of_right_class[static_cast<std::size_t>(rank) - 1]);
 }
 
+/// Chooses the largest squared distance from a class mean that is still known, by the distances of held-out
+/// touches of known objects: of further touches like these, at most a share of `false_alarms` is taken for
+/// unknown. Infinite with fewer than 1 ÷ false_alarms − 1 touches, which cannot promise that.
+///
+/// Throws std::invalid_argument unless `false_alarms` is above 0 and below 1, and no distance is NaN.
+[[nodiscard]] inline double fit_largest_distance(std::span<const double> squared_distances,
+                                                 double false_alarms) {
+    if (!(false_alarms > 0 && false_alarms < 1))
+        throw std::invalid_argument(
+            "fit_largest_distance: expected a share of false alarms above 0 and below 1, found " +
+            std::to_string(false_alarms));
+    for (const double distance : squared_distances)
+        if (std::isnan(distance))
+            throw std::invalid_argument("fit_largest_distance: expected distances, found NaN");
+    std::vector<double> sorted(squared_distances.begin(), squared_distances.end());
+    std::sort(sorted.begin(), sorted.end());
+    const double rank = std::ceil(static_cast<double>(sorted.size() + 1) * (1 - false_alarms));
+    return rank > static_cast<double>(sorted.size()) ? std::numeric_limits<double>::infinity()
+                                                     : sorted[static_cast<std::size_t>(rank) - 1];
+}
+
 }} // namespace tactnet

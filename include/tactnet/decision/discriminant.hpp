@@ -1,0 +1,98 @@
+#pragma once
+
+#include <tactnet/detail/config.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// A linear map from the features of a network to few dimensions, in which classes lie far apart and the
+/// touches of a class close together: see fit_discriminant. Large: keep it in static memory or on the heap.
+template <std::size_t Features, std::size_t Dimensions>
+struct discriminant {
+    using point = std::array<float, Dimensions>;
+
+    std::array<float, Features * Dimensions> directions{}; ///< [feature][dimension]
+    point offset{};
+
+    /// Features as deployed_view::read_features gives them.
+    [[nodiscard]] point operator()(std::span<const float, Features> features) const noexcept {
+        point sums = offset;
+        for (std::size_t f = 0; f < Features; ++f)
+            for (std::size_t d = 0; d < Dimensions; ++d)
+                sums[d] += features[f] * directions[f * Dimensions + d];
+        return sums;
+    }
+};
+
+/// The class whose mean is nearest, and how far it is.
+struct nearest_class {
+    std::size_t index = 0;
+    double squared_distance = 0;
+};
+
+/// Recognises touches by the nearest class mean (Mensink et al., 2013). Learns a new class from a few
+/// touches, without changing any other, and forgets one; both take less than a microsecond. The distance to
+/// the nearest mean shows objects that belong to no class.
+template <std::size_t Dimensions, std::size_t MostClasses>
+class class_means {
+public:
+    using point = std::array<float, Dimensions>;
+
+    /// Adds a touch to a class. Returns false, and learns nothing, if there is no room for such a class or
+    /// the point is not finite.
+    bool learn(std::size_t index, const point& touch) noexcept {
+        if (index >= MostClasses || !is_finite(touch))
+            return false;
+        const double count = static_cast<double>(++touches_[index]);
+        for (std::size_t d = 0; d < Dimensions; ++d)
+            means_[index][d] += (static_cast<double>(touch[d]) - means_[index][d]) / count;
+        return true;
+    }
+    /// Forgets all touches of a class.
+    void forget(std::size_t index) noexcept {
+        if (index < MostClasses)
+            touches_[index] = 0, means_[index] = {};
+    }
+    /// How many touches of a class have been learnt.
+    [[nodiscard]] std::size_t touches(std::size_t index) const noexcept {
+        return index < MostClasses ? touches_[index] : 0;
+    }
+
+    /// Returns the class with the nearest mean, of equally near ones the first. std::nullopt without classes,
+    /// and for a point that is not finite.
+    [[nodiscard]] std::optional<nearest_class> nearest(const point& touch) const noexcept {
+        std::optional<nearest_class> found;
+        if (!is_finite(touch))
+            return found;
+        for (std::size_t c = 0; c < MostClasses; ++c) {
+            if (touches_[c] == 0)
+                continue;
+            double sum = 0;
+            for (std::size_t d = 0; d < Dimensions; ++d) {
+                const double difference = static_cast<double>(touch[d]) - means_[c][d];
+                sum += difference * difference;
+            }
+            if (!found || sum < found->squared_distance)
+                found = nearest_class{c, sum};
+        }
+        return found;
+    }
+
+private:
+    static bool is_finite(const point& touch) noexcept {
+        double sum = 0;
+        for (const float value : touch)
+            sum += static_cast<double>(value) * 0; // NaN of NaN and of infinity
+        return sum == 0;
+    }
+
+    std::array<std::array<double, Dimensions>, MostClasses> means_{};
+    std::array<std::uint32_t, MostClasses> touches_{};
+};
+
+}} // namespace tactnet

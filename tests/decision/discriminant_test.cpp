@@ -1,0 +1,219 @@
+#include <tactnet/decision/discriminant.hpp>
+#include <tactnet/decision/fit_discriminant.hpp>
+#include <tactnet/decision/fitting.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <random>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <support/allocations.hpp>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+constexpr std::size_t size = 12, classes = 5, dimensions = 4;
+using row = std::array<float, size>;
+
+/// Classes whose means differ in the first five features, under noise that is ten times as large in the
+/// others, and that two of the features share.
+struct cloud {
+    std::vector<float> features;
+    std::vector<std::size_t> labels;
+
+    cloud(std::size_t images, std::uint32_t seed, std::size_t used = classes) {
+        std::mt19937 random(seed);
+        std::normal_distribution<float> normal;
+        for (std::size_t i = 0; i < images; ++i) {
+            labels.push_back(i % used);
+            const float shared = normal(random);
+            for (std::size_t f = 0; f < size; ++f) {
+                const float mean = f == labels.back() ? 6.0F : 0.0F;
+                features.push_back(mean + (f < 5 ? 1.0F : 10.0F) * normal(random) + (f < 2 ? 3 * shared : 0));
+            }
+        }
+    }
+    std::span<const float, size> operator[](std::size_t image) const {
+        return std::span(features).subspan(image * size).first<size>();
+    }
+};
+std::string error_of(std::span<const float> features, std::span<const std::size_t> labels, std::size_t count,
+                     double shrinkage = 0.5) {
+    try {
+        (void)fit_discriminant<size, dimensions>(features, labels, count, shrinkage);
+    } catch (const std::invalid_argument& error) {
+        return error.what();
+    }
+    return "";
+}
+
+} // namespace
+
+TEST_CASE("fit_discriminant: the Cholesky factor and the eigensystem, put together again") {
+    constexpr std::size_t n = 9;
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> value(-1, 1);
+    std::vector<double> root(n * n), matrix(n * n);
+    for (double& one : root)
+        one = value(random);
+    for (std::size_t a = 0; a < n; ++a)
+        for (std::size_t b = 0; b < n; ++b)
+            for (std::size_t k = 0; k < n; ++k)
+                matrix[a * n + b] += root[a * n + k] * root[b * n + k];
+    std::vector<double> factor = matrix, x(n), b(n);
+    detail::factorise(factor, n);
+    for (std::size_t i = 0; i < n; ++i)
+        b[i] = x[i] = value(random);
+    detail::solve_lower(factor, n, x);
+    detail::solve_upper(factor, n, x); // matrix · x = b
+    const detail::eigensystem found = detail::diagonalise(matrix, n);
+    for (std::size_t i = 0; i < n; ++i) {
+        double product = 0;
+        for (std::size_t k = 0; k < n; ++k)
+            product += matrix[i * n + k] * x[k];
+        CHECK(product == doctest::Approx(b[i]).epsilon(1e-8));
+        for (std::size_t j = 0; j < n; ++j) {
+            double again = 0, unit = 0;
+            for (std::size_t k = 0; k < n; ++k) {
+                again += found.vectors[i * n + k] * found.values[k] * found.vectors[j * n + k];
+                unit += found.vectors[k * n + i] * found.vectors[k * n + j];
+            }
+            CHECK(std::abs(again - matrix[i * n + j]) < 1e-12);
+            CHECK(std::abs(unit - (i == j ? 1 : 0)) < 1e-12);
+        }
+    }
+}
+
+TEST_CASE("fit_discriminant: unit covariance within classes, and classes apart that noise hides") {
+    const cloud training(4000, 1), test(2000, 2);
+    const auto map = fit_discriminant<size, dimensions>(training.features, training.labels, classes, 1e-6);
+    class_means<dimensions, classes> means;
+    for (std::size_t i = 0; i < training.labels.size(); ++i)
+        REQUIRE(means.learn(training.labels[i], (*map)(training[i])));
+    std::size_t right = 0;
+    std::array<std::array<double, dimensions>, classes> sums{};
+    for (std::size_t i = 0; i < test.labels.size(); ++i)
+        right += means.nearest((*map)(test[i]))->index == test.labels[i];
+    CHECK(right > 1960); // 98 %; by the features themselves noise of 10 hides a distance of 6
+    for (std::size_t i = 0; i < training.labels.size(); ++i)
+        for (std::size_t d = 0; d < dimensions; ++d)
+            sums[training.labels[i]][d] += static_cast<double>((*map)(training[i])[d]) / 800;
+    std::array<std::array<double, dimensions>, dimensions> covariance{};
+    for (std::size_t i = 0; i < training.labels.size(); ++i)
+        for (std::size_t a = 0; a < dimensions; ++a)
+            for (std::size_t b = 0; b < dimensions; ++b)
+                covariance[a][b] +=
+                    (static_cast<double>((*map)(training[i])[a]) - sums[training.labels[i]][a]) *
+                    (static_cast<double>((*map)(training[i])[b]) - sums[training.labels[i]][b]) / 4000;
+    for (std::size_t a = 0; a < dimensions; ++a)
+        for (std::size_t b = 0; b < dimensions; ++b)
+            CHECK(std::abs(covariance[a][b] - (a == b ? 1 : 0)) < 0.01);
+}
+
+TEST_CASE("fit_discriminant: directions in which no classes lie apart are zero") {
+    cloud training(600, 3, 2); // two classes, and three copies of them
+    for (std::size_t i = 0; i < training.labels.size(); ++i)
+        training.labels[i] = i % 5 < 3 ? 0 : 1;
+    std::vector<float> features;
+    for (std::size_t i = 0; i < training.labels.size(); ++i)
+        for (std::size_t f = 0; f < size; ++f)
+            features.push_back(f == 0 ? static_cast<float>(training.labels[i]) + 0.1F * training[i][f]
+                                      : 0.0F);
+    const auto map = fit_discriminant<size, 1>(features, training.labels, 2);
+    CHECK(map->directions[0] != 0);
+    std::vector<std::size_t> labels = training.labels;
+    for (std::size_t i = 0; i < labels.size(); ++i)
+        labels[i] = labels[i] * 3 + i % 3; // 6 classes on a line
+    const auto line = fit_discriminant<size, 5>(features, labels, 6, 0.5);
+    for (std::size_t f = 1; f < size; ++f)
+        for (std::size_t d = 0; d < 5; ++d)
+            CHECK(std::abs(line->directions[f * 5 + d]) < 1e-6);
+}
+
+TEST_CASE("fit_discriminant: refuses what it cannot fit") {
+    const cloud training(50, 4);
+    CHECK(error_of(std::span(training.features).first(599), training.labels, classes) ==
+          "fit_discriminant: expected a row of 12 features for each of 50 labels, found 599 features");
+    CHECK(error_of(training.features, training.labels, 4) ==
+          "fit_discriminant: expected more than 4 classes, found 4");
+    CHECK(error_of(training.features, training.labels, 6) ==
+          "fit_discriminant: expected an image of each class, found none of class 5");
+    for (const double shrinkage : {0.0, 1.5, std::numeric_limits<double>::quiet_NaN()})
+        CHECK(error_of(training.features, training.labels, classes, shrinkage)
+                  .starts_with("fit_discriminant: expected a shrinkage above 0 and at most 1, found"));
+    std::vector<std::size_t> labels = training.labels;
+    labels[7] = 5;
+    CHECK(error_of(training.features, labels, classes) ==
+          "fit_discriminant: expected labels below 5, found 5");
+    std::vector<float> features = training.features;
+    features[3 * size] = std::numeric_limits<float>::infinity();
+    CHECK(error_of(features, training.labels, classes) ==
+          "fit_discriminant: expected finite features, found others for image 3");
+    CHECK(error_of(std::vector<float>(50 * size, 1.0F), training.labels, classes) ==
+          "fit_discriminant: expected features that vary within classes, found none that do");
+}
+
+TEST_CASE("class_means: learns and forgets a class without changing another, and without heap") {
+    using means_type = class_means<2, 3>;
+    using point = means_type::point;
+    means_type means;
+    const std::size_t before = support::allocations();
+    CHECK_FALSE(means.nearest(point{0, 0}).has_value());
+    CHECK(means.learn(0, point{0, 0}));
+    CHECK(means.learn(0, point{2, 0}));
+    CHECK(means.learn(2, point{10, 0}));
+    CHECK(means.touches(0) == 2);
+    CHECK(means.touches(1) == 0);
+    CHECK(means.nearest(point{1, 3})->index == 0);
+    CHECK(means.nearest(point{1, 3})->squared_distance == 9);
+    CHECK(means.nearest(point{5.5F, 0})->index == 0); // equally near
+    CHECK(means.nearest(point{6, 0})->index == 2);
+    CHECK(means.learn(1, point{6, 1}));
+    CHECK(means.nearest(point{6, 0})->index == 1);
+    CHECK(means.nearest(point{1, 3})->squared_distance == 9);
+    means.forget(1);
+    means.forget(7);
+    CHECK(means.nearest(point{6, 0})->index == 2);
+    CHECK_FALSE(means.learn(3, point{0, 0}));
+    CHECK(means.touches(3) == 0);
+    for (const float bad :
+         {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+        CHECK_FALSE(means.learn(1, point{0, bad}));
+        CHECK_FALSE(means.nearest(point{bad, 0}).has_value());
+    }
+    CHECK(means.touches(1) == 0);
+    CHECK(support::allocations() == before);
+}
+
+TEST_CASE("fit_largest_distance: keeps the share of false alarms") {
+    std::mt19937 random(5);
+    std::exponential_distribution<double> distance;
+    for (const double share : {0.5, 0.05, 0.01}) {
+        std::size_t alarms = 0;
+        for (int draw = 0; draw < 300; ++draw) {
+            std::vector<double> held_out(199);
+            for (double& one : held_out)
+                one = distance(random);
+            const double largest = fit_largest_distance(held_out, share);
+            for (int i = 0; i < 200; ++i)
+                alarms += distance(random) > largest;
+        }
+        // 60 000 touches, and 300 draws with a deviation of √(share (1 − share) ÷ 201) each.
+        const double deviation = std::sqrt(share * (1 - share) * (1 / 60'000.0 + 1 / (201.0 * 300)));
+        CHECK(static_cast<double>(alarms) / 60'000 <= share + 4 * deviation);
+        CHECK(static_cast<double>(alarms) / 60'000 >= share - 1 / 200.0 - 4 * deviation);
+    }
+    CHECK(std::isinf(fit_largest_distance(std::vector<double>(98, 1.0), 0.01)));
+    CHECK(fit_largest_distance(std::vector<double>(99, 1.0), 0.01) == 1);
+    CHECK_THROWS_AS((void)fit_largest_distance({}, 0), std::invalid_argument);
+    CHECK_THROWS_AS((void)fit_largest_distance(std::vector<double>{std::nan("")}, 0.1),
+                    std::invalid_argument);
+}
