@@ -229,8 +229,10 @@ private:
             if (sound_frames_[f] >= enough) {
                 faulty_[fault.row * grid::stride + fault.column] = 0;
                 against_[fault.row * grid::stride + fault.column] = 0;
-                if (fault.kind == tactel_fault_kind::stuck) // what it had learnt was not of air
+                if (fault.kind == tactel_fault_kind::stuck) { // what was learnt was not its count of air
                     level_[fault.row * Array.columns + fault.column] = 0;
+                    baseline_[fault.row * grid::stride + fault.column] = 0;
+                }
                 continue;
             }
             sound_frames_[kept] = sound_frames_[f];

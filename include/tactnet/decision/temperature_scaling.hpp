@@ -14,7 +14,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// A softmax of logits divided by a temperature. Below 1, probabilities are more extreme; the class stays the
 /// same.
 struct temperature_scaling {
-    double temperature = 1;
+    double temperature = 1; ///< above 0
 
     /// The most likely of the first `classes` outputs, as classify_logits returns it.
     [[nodiscard]] std::optional<recognition> classify(std::span<const float> logits,
