@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <support/allocations.hpp>
@@ -75,6 +76,58 @@ TEST_CASE("matrix_stream: markers: joined anywhere, lost and found again") {
     CHECK(sensors_test::same_however_split(matrix_stream(marked()), bytes_of("xMX" + one + two)));
     CHECK(sensors_test::decode(matrix_stream(marked()), bytes_of(one + "MMX_\1")).error ==
           "byte 12, frame 2: expected a whole frame of 12 bytes, found 5 bytes of it");
+}
+
+TEST_CASE("matrix_stream: markers: each bit flipped, each byte lost or doubled") {
+    // Numbers of cells are numbers of frames, so that each frame shows which one it is.
+    constexpr std::size_t frames = 6, size = 12, marker = 3;
+    std::string stream;
+    for (std::size_t f = 0; f < frames; ++f)
+        stream += "MMX_" + std::string(6, static_cast<char>(f + 1)) + "__";
+    const auto whole_frames = [](const sensors_test::decoded& found) {
+        std::vector<std::size_t> numbers;
+        for (const auto& frame : found.frames)
+            if (frame.cells == std::vector<float>(6, frame.cells[0]) && frame.cells[0] >= 1 &&
+                frame.cells[0] <= frames)
+                numbers.push_back(static_cast<std::size_t>(frame.cells[0]) - 1);
+        return numbers;
+    };
+    /// All frames but `first` to `last`.
+    const auto but = [](std::size_t first, std::size_t last) {
+        std::vector<std::size_t> numbers;
+        for (std::size_t f = 0; f < frames; ++f)
+            if (f < first || f > last)
+                numbers.push_back(f);
+        return numbers;
+    };
+    const auto decoded = [](const std::string& bytes) {
+        return sensors_test::decode(matrix_stream(marked()), bytes_of(bytes));
+    };
+    for (std::size_t at = 0; at < stream.size(); ++at) {
+        const std::size_t frame = at / size, place = at % size;
+        CAPTURE(at);
+        for (unsigned bit = 0; bit < 8; ++bit) {
+            std::string damaged = stream;
+            damaged[at] = static_cast<char>(static_cast<unsigned char>(damaged[at]) ^ 1U << bit);
+            const auto found = decoded(damaged);
+            const bool in_cells = place > marker && place < marker + 7;
+            const bool in_marker = place < marker;
+            CHECK(whole_frames(found) == (in_cells || in_marker ? but(frame, frame) : but(frames, frames)));
+            CHECK(found.frames.size() == frames - (in_marker ? 1 : 0)); // no sum protects cells
+            if (in_marker && frame > 0) // bytes before the first frame are of a stream that was joined
+                CHECK_FALSE(found.error.empty());
+        }
+        for (const bool lost : {true, false}) {
+            std::string damaged = stream;
+            lost ? damaged.erase(at, 1) : damaged.insert(at, 1, damaged[at]);
+            const auto found = decoded(damaged);
+            const auto left = whole_frames(found);
+            const std::vector<std::size_t> least = but(frame, frame + 1);
+            CHECK(std::includes(left.begin(), left.end(), least.begin(), least.end()));
+            if (frame > 0)
+                CHECK_FALSE(found.error.empty());
+        }
+    }
 }
 
 TEST_CASE("matrix_stream: cells that are no pressures") {
