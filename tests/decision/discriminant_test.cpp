@@ -118,6 +118,41 @@ TEST_CASE("fit_discriminant: unit covariance within classes, and classes apart t
             CHECK(std::abs(covariance[a][b] - (a == b ? 1 : 0)) < 0.01);
 }
 
+TEST_CASE(
+    "fit_discriminant: the mean of all images is the origin; fully shrunk, distances are those of features") {
+    const cloud training(1000, 6);
+    const auto map = fit_discriminant<size, dimensions>(training.features, training.labels, classes, 1);
+    std::array<double, dimensions> sums{};
+    std::array<std::array<double, size>, classes> means{};
+    for (std::size_t i = 0; i < 1000; ++i) {
+        const auto point = (*map)(training[i]);
+        for (std::size_t d = 0; d < dimensions; ++d)
+            sums[d] += static_cast<double>(point[d]) / 1000;
+        for (std::size_t f = 0; f < size; ++f)
+            means[training.labels[i]][f] += static_cast<double>(training[i][f]) / 200;
+    }
+    for (const double sum : sums)
+        CHECK(std::abs(sum) < 1e-5);
+    double variance = 0; // within classes, the mean of all features
+    for (std::size_t i = 0; i < 1000; ++i)
+        for (std::size_t f = 0; f < size; ++f)
+            variance +=
+                std::pow(static_cast<double>(training[i][f]) - means[training.labels[i]][f], 2) / 1000 / size;
+    for (std::size_t a = 0; a < classes; ++a)
+        for (std::size_t b = 0; b < a; ++b) {
+            row first, second;
+            double apart = 0, projected = 0;
+            for (std::size_t f = 0; f < size; ++f) {
+                first[f] = static_cast<float>(means[a][f]), second[f] = static_cast<float>(means[b][f]);
+                apart += (means[a][f] - means[b][f]) * (means[a][f] - means[b][f]) / variance;
+            }
+            const auto p = (*map)(first), q = (*map)(second);
+            for (std::size_t d = 0; d < dimensions; ++d)
+                projected += std::pow(static_cast<double>(p[d]) - static_cast<double>(q[d]), 2);
+            CHECK(projected == doctest::Approx(apart).epsilon(1e-4));
+        }
+}
+
 TEST_CASE("fit_discriminant: directions in which no classes lie apart are zero") {
     cloud training(600, 3, 2); // two classes, and three copies of them
     for (std::size_t i = 0; i < training.labels.size(); ++i)

@@ -87,6 +87,7 @@ TEST_CASE("prediction_set: members by hand") {
     CHECK(members == std::array{true, true, false});
     CHECK(set.predict(std::array{0.0F, std::numeric_limits<float>::quiet_NaN(), 0.0F}, members) == 0);
     CHECK(members == std::array{false, false, false});
+    CHECK(set.predict(std::array{3000.0F, 2999.5F, 0.0F}, members) == 2); // no overflow
     const prediction_set sure({}, 0.99); // the most likely class all the same
     CHECK(sure.predict(std::array{0.0F, 1.0F, 0.0F}, members) == 1);
     CHECK(members == std::array{false, true, false});

@@ -12,6 +12,7 @@ TEST_CASE("frame: cells in a size known when compiling") {
     const std::array<float, 6> cells{0, 1, 2, 3, 254, 255};
     const frame_view frame{1, 0.5, 2, 3, cells};
     CHECK(frame(1, 0) == 3);
+    CHECK(frame(1, 1) == 254);
     const auto view = frame.as<shape{2, 3, 1}>();
     REQUIRE(view);
     CHECK((*view)(1, 2) == 255);
