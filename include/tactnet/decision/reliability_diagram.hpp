@@ -16,6 +16,7 @@ class reliability_diagram {
 public:
     static constexpr std::size_t bin_count = 15; ///< of equal width, from probability 0 to 1
 
+    /// The recognitions whose probability lies within one bin.
     struct bin {
         std::size_t count = 0, right = 0;
         double probability = 0; ///< sum

@@ -162,9 +162,11 @@ public:
         return with_name(view().classify(frame));
     }
 
-    /// As of the view: what the last layer reads.
+    /// As of the view: what the last layer reads. A template, so that a network that cannot be lowered has no
+    /// error for this, too.
     static constexpr std::size_t features = view_type::features;
-    void read_features(const workspace& memory, std::span<float, features> to) const noexcept {
+    template <class View = view_type>
+    void read_features(const workspace& memory, std::span<float, View::features> to) const noexcept {
         view().read_features(memory, to);
     }
 
