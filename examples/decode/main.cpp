@@ -27,6 +27,7 @@
 #include <optional>
 #include <printable.hpp>
 #include <span>
+#include <stack.hpp>
 #include <standard_output.hpp>
 #include <string>
 #include <utility>
@@ -171,6 +172,7 @@ void decode(const arguments& asked) {
 } // namespace
 
 int main(int count, char** words) {
+    require_stack("tactnet_decode");
     ignore_output_signals();
     try {
         const arguments asked = read_arguments(std::span(words + 1, words + std::max(count, 1)));

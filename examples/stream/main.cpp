@@ -22,6 +22,7 @@
 #include <optional>
 #include <printable.hpp>
 #include <span>
+#include <stack.hpp>
 #include <standard_output.hpp>
 #include <unistd.h>
 
@@ -79,6 +80,7 @@ bool run(Decoder decoder, const tactnet::model<network>& model) {
 } // namespace
 
 int main(int count, char** arguments) {
+    require_stack("tactnet_stream");
     ignore_output_signals();
     const bool own = count == 3 && std::strcmp(arguments[2], "own") == 0;
     const bool help =

@@ -22,6 +22,7 @@
 #include <new>
 #include <printable.hpp>
 #include <sstream>
+#include <stack.hpp>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -135,6 +136,7 @@ int run(int count, char** arguments) {
 
 int main(int count, char** arguments) {
     prepare_standard_streams();
+    require_stack("tactnet");
     const auto complain = [](const std::exception& error, int status) {
         tell("tactnet: {}\n", printable(error.what()));
         return status;

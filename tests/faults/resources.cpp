@@ -117,15 +117,9 @@ finding take_resources(scene& s, std::size_t number) {
         under.limits = {{RLIMIT_AS, start + s.below(s.below(2) == 0 ? 4 * step : 60 * step)}};
         break;
     }
-    case 2: {
-        static const unsigned long start = least(s, 4096, 4096, [](unsigned long most) {
-            return std::vector<std::pair<int, unsigned long>>{{RLIMIT_STACK, most}};
-        });
-        if (start == 0)
-            return s.handled();
-        under.limits = {{RLIMIT_STACK, start + s.below(s.below(2) == 0 ? 16 : 256) * 4096}};
+    case 2: // from what any program needs to what is enough
+        under.limits = {{RLIMIT_STACK, 32'768 + s.below(1024) * 4096}};
         break;
-    }
     case 1:
         under.limits = {{RLIMIT_NPROC, 1 + s.below(4)}};
         break;
