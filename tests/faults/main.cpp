@@ -58,8 +58,8 @@ constexpr const char* usage =
     "usage: tactnet_attack [--short | --cases N] [--seed N] [--only GROUP [--case N]]\n"
     "                      [--tactnet FILE] [--decode FILE] [--stream FILE]\n\n"
     "Tries N faults (5000; --short: 400) on the programs, and tells which were silent or ended in disorder.\n"
-    "Without --seed, it is another one each run. A case depends on the seed, its group and its number\n"
-    "alone: --only and --case repeat it.\n";
+    "Without --seed, it is another one each run, but for --short. A case depends on the seed, its group\n"
+    "and its number alone: --only and --case repeat it.\n";
 
 std::uint64_t number_in(const std::string& text) {
     if (text.empty() || text.size() > 18 || text.find_first_not_of("0123456789") != std::string::npos)
@@ -73,7 +73,7 @@ arguments read(int count, char** given) {
     for (int i = 1; i < count; ++i) {
         const std::string option = given[i];
         if (option == "--short") {
-            asked.cases = 400;
+            asked.cases = 400, asked.seed = 14; // a test is the same each run
             continue;
         }
         if (i + 1 == count)
