@@ -1,7 +1,7 @@
-// Objects that a network was not trained on, on the paper's images: how well each score tells them from those
-// it was trained on, and how well one is recognised once it has been learnt from five touches. For each draw,
-// TactNet-6 at 28 × 50 is trained on 17 of the 22 objects, with a blocked split; the other five are unknown.
-// Nothing is chosen by test images.
+// Measures unknown and new objects on the paper's images: how well each score separates unknown objects from
+// known ones, and how often a new object is recognised after learning five touches. For each draw, TactNet-6
+// at 28 × 50 is trained on 17 of the 22 objects, with a blocked split; the other five are unknown. Nothing is
+// chosen by test images.
 //
 //     benchmark_new_objects FOLDER_OF_IMAGES [DRAWS] [thorough]        20 draws by default
 

@@ -37,7 +37,7 @@ constexpr std::size_t tactels = array.size(), classes = 22;
 using net = tactnet6<array, classes>;
 using frame = std::array<std::uint8_t, tactels>;
 
-/// The same tactels for the same seed.
+/// Returns `count` random tactels, which depend on the seed alone.
 std::vector<std::size_t> some_tactels(std::size_t seed, std::size_t count) {
     std::vector<std::size_t> places(tactels);
     for (std::size_t i = 0; i < tactels; ++i)
@@ -204,8 +204,8 @@ void run(const std::string& folder, std::size_t splits) {
                            images.pixels.begin() + static_cast<std::ptrdiff_t>(image * tactels),
                            images.pixels.begin() + static_cast<std::ptrdiff_t>((image + 1) * tactels));
         for (std::size_t f = 0; f < faults.size(); ++f) {
-            const outcome one =
-                play(faults[f], split, network, images, parts.test, force_statistics::of(trained, tactels));
+            const outcome one = play(faults[f], split, network, images, parts.test,
+                                     force_statistics::of(trained, tactels, contact_settings{}.pressed));
             sums[f].raw += one.raw, sums[f].clean += one.clean, sums[f].found += one.found;
             sums[f].seconds += one.seconds;
         }

@@ -60,7 +60,7 @@ std::string error_of(std::span<const float> logits, std::span<const std::size_t>
 
 } // namespace
 
-TEST_CASE("fit_temperature: finds the temperature that labels were drawn at, which mends the calibration") {
+TEST_CASE("fit_temperature: recovers the temperature of the labels, and corrects the calibration") {
     for (const double temperature : {0.5, 1.0, 2.5}) {
         const samples held_out = draw(20'000, temperature, 1), test = draw(20'000, temperature, 2);
         const temperature_scaling found = fit_temperature(held_out.logits, outputs, held_out.labels, classes);

@@ -13,16 +13,18 @@ using namespace tactnet;
 TEST_CASE("force_statistics: mean and deviation of the logarithms, without empty images") {
     const std::vector<std::uint8_t> images{1, 1,  0, 0,  4,
                                            4, 10, 0, 255}; // 2, none, 8, 10; one pixel too many
-    const force_statistics found = force_statistics::of(images, 2);
+    const force_statistics found = force_statistics::of(images, 2, 1);
     const double a = std::log(2.0), b = std::log(8.0), c = std::log(10.0), mean = (a + b + c) / 3;
     CHECK(found.mean == doctest::Approx(mean));
     CHECK(found.deviation ==
           doctest::Approx(
               std::sqrt(((a - mean) * (a - mean) + (b - mean) * (b - mean) + (c - mean) * (c - mean)) / 2)));
-    CHECK(force_statistics::of(std::vector<std::uint8_t>{2, 8}, 1).mean == doctest::Approx(std::log(4.0)));
-    CHECK(force_statistics::of({}, 2).mean == 0);
-    CHECK(force_statistics::of(images, 0).deviation == 0);
-    CHECK(force_statistics::of(std::vector<std::uint8_t>{3, 3}, 2).deviation == 0);
+    CHECK(force_statistics::of(std::vector<std::uint8_t>{2, 8}, 1, 1).mean == doctest::Approx(std::log(4.0)));
+    // Counts below `pressed` are no part of a force: 8, 10 and none here.
+    CHECK(force_statistics::of(images, 2, 4).mean == doctest::Approx((b + c) / 2));
+    CHECK(force_statistics::of({}, 2, 1).mean == 0);
+    CHECK(force_statistics::of(images, 0, 1).deviation == 0);
+    CHECK(force_statistics::of(std::vector<std::uint8_t>{3, 3}, 2, 1).deviation == 0);
 }
 
 TEST_CASE("gain_monitor: finds a gain within its uncertainty, and reports drift only where there is one") {

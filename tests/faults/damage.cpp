@@ -137,7 +137,7 @@ ending decode(scene& s, const std::string& name, const std::string& bytes) {
 }
 
 /// Without what differs from run to run: the microseconds behind a stream's last tab.
-std::string lines_of(std::string text) {
+std::string without_times(std::string text) {
     for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; ++at)
         if (const std::size_t tab = text.rfind('\t', at);
             tab != std::string::npos && text.find('\n', tab) == at) {
@@ -154,7 +154,7 @@ finding decode_damaged(scene& s, const std::string& name, const std::string& byt
     if (end.status != 0)
         return end.error.empty() ? s.silent(name + ": no message") : s.handled();
     if (must_tell && end.error.empty() &&
-        lines_of(end.out) != lines_of(decode(s, name, bytes_of(s.made / name)).out))
+        without_times(end.out) != without_times(decode(s, name, bytes_of(s.made / name)).out))
         return s.silent(name + ": other frames without a word");
     return s.handled();
 }
@@ -162,12 +162,9 @@ finding decode_damaged(scene& s, const std::string& name, const std::string& byt
 /// The rows of frames in CSV, without the lines of their numbers and times, which no sum covers.
 std::string cells_of(const std::string& csv) {
     std::string cells;
-    for (std::size_t at = 0, end = 0; at < csv.size(); at = end + 1) {
-        end = std::min(csv.find('\n', at), csv.size());
-        const std::string line = csv.substr(at, end - at);
+    for (const std::string& line : lines_of(csv))
         if (!line.starts_with("frame"))
             cells += line + '\n';
-    }
     return cells;
 }
 
@@ -175,9 +172,7 @@ std::string cells_of(const std::string& csv) {
 bool sums_hold(const std::string& text) {
     constexpr std::string_view sum_begins = "raw sum=,,";
     long stated = 0, found = 0;
-    for (std::size_t at = 0, end = 0; at < text.size(); at = end + 1) {
-        end = std::min(text.find('\n', at), text.size());
-        std::string line = text.substr(at, end - at);
+    for (std::string& line : lines_of(text)) {
         std::transform(line.begin(), line.end(), line.begin(), // a bit makes a letter small
                        [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
         std::erase(line, '"'); // which spreadsheets write around cells

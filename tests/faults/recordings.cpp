@@ -72,12 +72,14 @@ std::string stream_of(bool packets) {
     return all;
 }
 
-/// A TactNet-6 for 28 x 50 counts and 22 classes, tensor by tensor: the network itself takes long to compile.
-std::string network() {
+} // namespace
+
+// A TactNet-6 for 28 x 50 counts and 22 classes, tensor by tensor: the network itself takes long to compile.
+std::string network(const std::string& fourth_class) {
     tactnet::safetensors_writer writer;
     std::string classes;
     for (int c = 0; c < 22; ++c)
-        classes += (c == 0 ? "[\"object" : ",\"object") + std::to_string(c) + '"';
+        classes += (c == 0 ? "[\"" : ",\"") + (c == 3 ? fourth_class : "object" + std::to_string(c)) + '"';
     writer.metadata = {{"format", "tactnet"}, {"version", "1"},     {"network", "tactnet6"},
                        {"rows", "28"},        {"columns", "50"},    {"input", "scale"},
                        {"input_scale", "1"},  {"epsilon", "1e-05"}, {"classes", classes + "]"}};
@@ -109,8 +111,6 @@ std::string network() {
     const std::vector<std::byte> bytes = writer.to_bytes();
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
-
-} // namespace
 
 std::map<std::string, std::string> recordings() {
     return {{"sample.fsx", binary()},

@@ -133,11 +133,20 @@ ending scene::run(const words& command, const conditions& under) {
     return faults::run(command, folder, under);
 }
 
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    for (std::size_t at = 0, end = 0; at < text.size(); at = end + 1) {
+        end = std::min(text.find('\n', at), text.size());
+        lines.push_back(text.substr(at, end - at));
+    }
+    return lines;
+}
+
 std::vector<std::string> results_in(const fs::path& list) {
     std::vector<std::string> results;
-    const std::string all = bytes_of(list);
-    for (std::size_t at = 0, end = 0; (end = all.find('\n', at)) != std::string::npos; at = end + 1) {
-        const std::string line = all.substr(at, end - at);
+    std::string whole = bytes_of(list);
+    whole.erase(whole.rfind('\n') + 1); // a last line without an end is half-written
+    for (const std::string& line : lines_of(whole)) {
         const auto part = [&](const char* from, const char* to) {
             const std::size_t begin = line.find(from);
             return begin == std::string::npos ? "" : line.substr(begin, line.find(to, begin) - begin);

@@ -22,6 +22,8 @@ struct programs {
 /// Small recordings of every kind, and a network for a stream of them, without damage. By file name:
 /// sample.fsx, sample.csv, sample.mp, own.stream, plain.stream, stream.net.
 std::map<std::string, std::string> recordings();
+/// The network of stream.net, whose fourth class has a name of choice, as it stands within quotes in JSON.
+std::string network(const std::string& fourth_class = "object3");
 
 /// Images of three classes, and what an undisturbed program makes of them; in a folder of their own.
 class materials {
@@ -89,6 +91,8 @@ private:
     std::string command_;
 };
 
+/// The lines of a text, without their ends.
+std::vector<std::string> lines_of(const std::string& text);
 /// The accuracies and confusions in a list of results, without times; sorted.
 std::vector<std::string> results_in(const fs::path& list);
 /// Names and contents of the files in a folder and its subfolders that `takes(name)`.

@@ -7,12 +7,16 @@
 #include <algorithm>
 #include <cerrno>
 #include <fcntl.h>
+#include <string_view>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <unistd.h>
 
 namespace {
+
+constexpr std::string_view lock_prefix = ".tactnet-", lock_suffix = ".lock";
+constexpr std::size_t lock_digits = 16;
 
 /// A hidden file beside it, whose name is never too long.
 std::string lock_file_of(const std::filesystem::path& path) {
@@ -21,7 +25,13 @@ std::string lock_file_of(const std::filesystem::path& path) {
     if (code)
         whole = path;
     const auto name = tactnet::xxh64().update(whole.filename().string()).digest();
-    return (whole.parent_path() / fmt::format(".tactnet-{:016x}.lock", name)).string();
+    return (whole.parent_path() / fmt::format("{}{:0{}x}{}", lock_prefix, name, lock_digits, lock_suffix))
+        .string();
+}
+
+bool is_lock_file(std::string_view name) {
+    return name.size() == lock_prefix.size() + lock_digits + lock_suffix.size() &&
+           name.starts_with(lock_prefix) && name.ends_with(lock_suffix);
 }
 
 /// Whether the open file still has its name: its holder may have removed it just before.
@@ -80,4 +90,21 @@ void claims::release(const std::filesystem::path& name) {
         return;
     remove_and_close(held->file, held->descriptor);
     locks_.erase(held);
+}
+
+void remove_abandoned_claims(const std::filesystem::path& folder) {
+    std::error_code code;
+    auto walk = std::filesystem::directory_iterator(folder.empty() ? "." : folder, code);
+    for (; !code && walk != std::filesystem::directory_iterator(); walk.increment(code)) {
+        if (!is_lock_file(walk->path().filename().string()))
+            continue;
+        const std::string file = walk->path().string();
+        const int descriptor = ::open(file.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+        if (descriptor < 0)
+            continue;
+        if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0 && has_name(descriptor, file))
+            remove_and_close(file, descriptor);
+        else
+            ::close(descriptor);
+    }
 }

@@ -31,3 +31,6 @@ private:
     std::vector<lock> locks_;
     std::vector<std::filesystem::path> folders_; ///< made here, the outer ones first
 };
+
+/// Removes the files in a folder that claims of killed programs have left; those that are held stay.
+void remove_abandoned_claims(const std::filesystem::path& folder);

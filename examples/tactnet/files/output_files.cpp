@@ -1,5 +1,6 @@
 #include "files/output_files.hpp"
 
+#include "files/claims.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/partial_file.hpp>
@@ -129,6 +130,8 @@ void make_folder_of(const fs::path& path) {
 void tidy_folders_of(const std::vector<named_file>& outputs) {
     std::set<fs::path> folders;
     for (const named_file& output : outputs)
-        if (const auto folder = output.path.parent_path(); folders.insert(folder).second)
+        if (const auto folder = output.path.parent_path(); folders.insert(folder).second) {
             tactnet::remove_abandoned_files(folder);
+            remove_abandoned_claims(folder);
+        }
 }

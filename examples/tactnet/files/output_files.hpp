@@ -30,5 +30,5 @@ std::vector<named_file> picture_files(const std::string& option, const std::file
 /// Makes the folder of a file, if there is none. Throws usage_error.
 void make_folder_of(const std::filesystem::path& path);
 
-/// Removes what killed programs left half-written in the folders of the outputs.
+/// Removes what killed programs have left in the folders of the outputs: half-written files, claims.
 void tidy_folders_of(const std::vector<named_file>& outputs);

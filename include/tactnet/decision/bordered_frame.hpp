@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace tactnet { inline namespace TACTNET_ARCH {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 /// A frame of counts with a border of zeros, so that each tactel has eight neighbours.
 template <shape Array>
@@ -21,9 +21,7 @@ struct bordered_frame {
     [[nodiscard]] static constexpr std::size_t place(std::size_t row, std::size_t column) noexcept {
         return first + row * stride + column;
     }
-    /// The distances of the eight neighbours from the place above and to the left of a tactel, row by row.
-    static constexpr std::array<std::size_t, 8> neighbours{
-        0, 1, 2, stride, stride + 2, 2 * stride, 2 * stride + 1, 2 * stride + 2};
+    static constexpr auto& neighbours = kernels::neighbour_distances<stride>;
 
     std::array<std::uint8_t, span + 2 * stride + 2> counts{};
 };
@@ -68,4 +66,4 @@ private:
     std::array<std::uint8_t, 8> mask_{}; ///< 255 for a neighbour that counts, else 0
 };
 
-}} // namespace tactnet
+}}} // namespace tactnet::detail

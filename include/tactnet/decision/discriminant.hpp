@@ -2,9 +2,12 @@
 
 #include <tactnet/detail/config.hpp>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -85,10 +88,8 @@ public:
 
 private:
     static bool is_finite(const point& touch) noexcept {
-        double sum = 0;
-        for (const float value : touch)
-            sum += static_cast<double>(value) * 0; // NaN of NaN and of infinity
-        return sum == 0;
+        return std::all_of(touch.begin(), touch.end(),
+                           [](float value) { return std::abs(value) <= std::numeric_limits<float>::max(); });
     }
 
     std::array<std::array<double, Dimensions>, MostClasses> means_{};

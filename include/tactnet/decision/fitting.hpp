@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <limits>
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 // What is chosen by held-out images, before a network is deployed.
@@ -36,6 +36,15 @@ inline void check_held_out(const std::string& caller, std::span<const float> log
                 throw std::invalid_argument(caller + ": expected finite logits, found others for image " +
                                             std::to_string(i));
     }
+}
+
+/// The bound that a further score, exchangeable with these, does not exceed with a probability of `coverage`:
+/// the smallest of them that ⌈(n + 1) coverage⌉ do not exceed; infinity if there are too few.
+[[nodiscard]] inline double conformal_bound(std::vector<double> scores, double coverage) {
+    std::sort(scores.begin(), scores.end());
+    const double rank = std::ceil(static_cast<double>(scores.size() + 1) * coverage);
+    return rank > static_cast<double>(scores.size()) ? std::numeric_limits<double>::infinity()
+                                                     : scores[static_cast<std::size_t>(rank) - 1];
 }
 
 } // namespace detail
@@ -93,17 +102,13 @@ inline void check_held_out(const std::string& caller, std::span<const float> log
         throw std::invalid_argument("fit_prediction_set: expected a coverage above 0 and below 1, found " +
                                     std::to_string(coverage));
     detail::check_held_out("fit_prediction_set", logits, outputs, labels, classes);
-    std::vector<double> of_right_class, logarithms(classes);
+    // Probabilities of the right class, negated: the smallest come last.
+    std::vector<double> negated, logarithms(classes);
     for (std::size_t i = 0; i < labels.size(); ++i) {
         (void)scaling.log_probabilities(logits.subspan(i * outputs, outputs), logarithms);
-        of_right_class.push_back(std::exp(logarithms[labels[i]]));
+        negated.push_back(-std::exp(logarithms[labels[i]]));
     }
-    // The (n + 1) × coverage largest of n.
-    const double rank = std::ceil(static_cast<double>(labels.size() + 1) * coverage);
-    if (rank > static_cast<double>(labels.size()))
-        return prediction_set(scaling, 0);
-    std::sort(of_right_class.begin(), of_right_class.end(), std::greater<>());
-    return prediction_set(scaling, of_right_class[static_cast<std::size_t>(rank) - 1]);
+    return prediction_set(scaling, std::max(0.0, -detail::conformal_bound(std::move(negated), coverage)));
 }
 
 /// Chooses the largest squared distance from a class mean that is still known, by the distances of held-out
@@ -120,11 +125,7 @@ inline void check_held_out(const std::string& caller, std::span<const float> log
     for (const double distance : squared_distances)
         if (std::isnan(distance))
             throw std::invalid_argument("fit_largest_distance: expected distances, found NaN");
-    std::vector<double> sorted(squared_distances.begin(), squared_distances.end());
-    std::sort(sorted.begin(), sorted.end());
-    const double rank = std::ceil(static_cast<double>(sorted.size() + 1) * (1 - false_alarms));
-    return rank > static_cast<double>(sorted.size()) ? std::numeric_limits<double>::infinity()
-                                                     : sorted[static_cast<std::size_t>(rank) - 1];
+    return detail::conformal_bound({squared_distances.begin(), squared_distances.end()}, 1 - false_alarms);
 }
 
 }} // namespace tactnet

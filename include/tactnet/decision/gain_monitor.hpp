@@ -10,19 +10,20 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// The mean and deviation of the natural logarithm of the force of touches, each the sum of the counts of a
-/// frame.
+/// The mean and deviation of the natural logarithm of the force of touches.
 struct force_statistics {
     double mean = 0, deviation = 0;
 
-    /// Of the images that a network was trained on, `size` counts each; images without pressure are left out.
-    [[nodiscard]] static force_statistics of(std::span<const std::uint8_t> images,
-                                             std::size_t size) noexcept {
+    /// Computes them from the images that a network was trained on, `size` counts each. As in contact_state,
+    /// the force of an image is the sum of its counts from `pressed` on (see contact_detector::pressed).
+    /// Images without such counts are left out.
+    [[nodiscard]] static force_statistics of(std::span<const std::uint8_t> images, std::size_t size,
+                                             std::uint8_t pressed) noexcept {
         double mean = 0, squares = 0, count = 0;
         for (std::size_t first = 0; size > 0 && first + size <= images.size(); first += size) {
             double force = 0;
             for (const std::uint8_t pressure : images.subspan(first, size))
-                force += pressure;
+                force += pressure >= pressed ? pressure : 0;
             if (force == 0)
                 continue;
             const double value = std::log(force), difference = value - mean;
@@ -47,8 +48,8 @@ public:
           memory_(std::max(memory, 1.0)),
           gain_deviation_(std::max(gain_deviation, 1e-6)) {}
 
-    /// Takes the force of a touch: the sum of the counts of its strongest frame. Ignores what is no
-    /// positive finite number.
+    /// Takes the force of a touch, of its strongest frame (contact_state::force). Ignores what is no positive
+    /// finite number.
     void add_touch(double force) noexcept {
         if (!(force > 0) || std::isinf(force))
             return;

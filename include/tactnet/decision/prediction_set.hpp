@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <span>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
@@ -27,16 +28,17 @@ public:
         const auto most = classify_logits(logits, members.size());
         if (!most)
             return 0;
-        double sum = 0;
-        const auto share = [&](std::size_t c) {
-            return std::exp((static_cast<double>(logits[c]) - static_cast<double>(logits[most->index])) /
-                            scaling_.temperature);
+        const auto logarithm = [&](std::size_t c) { // of its probability ÷ that of the most likely one
+            return (static_cast<double>(logits[c]) - static_cast<double>(logits[most->index])) /
+                   scaling_.temperature;
         };
+        double sum = 0;
         for (std::size_t c = 0; c < members.size(); ++c)
-            sum += share(c);
+            sum += std::exp(logarithm(c));
+        const double least = least_ > 0 ? std::log(least_ * sum) : -std::numeric_limits<double>::infinity();
         std::size_t count = 0;
         for (std::size_t c = 0; c < members.size(); ++c) {
-            members[c] = c == most->index || share(c) >= least_ * sum;
+            members[c] = c == most->index || logarithm(c) >= least;
             count += members[c];
         }
         return count;

@@ -26,7 +26,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 ///     if (!contact) health.follow(frame);          // once it is known that nothing touches the array
 template <shape Array>
 class sensor_health {
-    using grid = bordered_frame<Array>;
+    using grid = detail::bordered_frame<Array>;
     static constexpr std::size_t size = Array.size();
 
 public:
@@ -46,15 +46,10 @@ public:
             const auto step = (target - level) / static_cast<std::int32_t>(learnt_);
             level_[i] = static_cast<std::uint16_t>(level + step);
         }
-        for (std::size_t row = 0, i = 0; row < Array.rows; ++row)
-            for (std::size_t column = 0; column < Array.columns; ++column, ++i) {
-                const bool stuck = level_[i] / 256 >= settings_.largest_baseline;
-                if (stuck && !is_faulty(row, column))
-                    add_fault(row, column, tactel_fault_kind::stuck);
-                // A stuck tactel keeps its counts, to be seen when it moves again.
-                baseline_[row * grid::stride + column] =
-                    stuck ? std::uint8_t{0} : static_cast<std::uint8_t>((level_[i] + 128) / 256);
-            }
+        for (std::size_t i = 0; i < size; ++i)
+            if (level_[i] >= stuck_level() && !is_faulty(i / Array.columns, i % Array.columns))
+                add_fault(i / Array.columns, i % Array.columns, tactel_fault_kind::stuck);
+        set_baseline();
     }
     /// Forgets baseline and faults.
     void forget() noexcept { *this = sensor_health(settings_); }
@@ -63,19 +58,16 @@ public:
     /// Manzanera and Richefeu, "A new motion detection algorithm based on Σ-Δ background estimation", 2007).
     void follow(frame air) noexcept {
         const std::uint16_t step = settings_.follow;
-        const std::uint16_t most = static_cast<std::uint16_t>(settings_.largest_baseline * 256);
+        const auto most = static_cast<std::uint16_t>(stuck_level() > 0 ? stuck_level() - 1 : 0);
         for (std::size_t i = 0; i < size; ++i) {
             const auto target = static_cast<std::uint16_t>(air[i] << 8U);
             const std::uint16_t level = level_[i];
-            const auto up = static_cast<std::uint16_t>(level < target && level < most ? step : 0);
+            const auto up = static_cast<std::uint16_t>(
+                level < target && level < most ? std::min<int>(step, most - level) : 0);
             const auto down = static_cast<std::uint16_t>(level > target ? std::min(step, level) : 0);
             level_[i] = static_cast<std::uint16_t>(level + up - down);
         }
-        for (std::size_t row = 0, i = 0; row < Array.rows; ++row)
-            for (std::size_t column = 0; column < Array.columns; ++column, ++i)
-                if (level_[i] < most)
-                    baseline_[row * grid::stride + column] =
-                        static_cast<std::uint8_t>((level_[i] + 128U) >> 8U);
+        set_baseline();
     }
 
     /// Returns a frame as it would be without offsets and faults. The result is valid until the next call.
@@ -124,6 +116,17 @@ public:
     [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }
 
 private:
+    /// The baseline of a stuck tactel, in 1/256 count.
+    [[nodiscard]] std::uint16_t stuck_level() const noexcept {
+        return static_cast<std::uint16_t>(settings_.largest_baseline * 256);
+    }
+    /// A stuck tactel keeps its counts, to be seen when it moves again.
+    void set_baseline() noexcept {
+        for (std::size_t row = 0, i = 0; row < Array.rows; ++row)
+            for (std::size_t column = 0; column < Array.columns; ++column, ++i)
+                baseline_[row * grid::stride + column] =
+                    static_cast<std::uint8_t>(level_[i] >= stuck_level() ? 0 : (level_[i] + 128) / 256);
+    }
     [[nodiscard]] bool is_faulty(std::size_t row, std::size_t column) const noexcept {
         return faulty_[row * grid::stride + column] != 0;
     }
@@ -246,8 +249,8 @@ private:
     void plan_replacements() noexcept {
         for (std::size_t f = 0; f < fault_count_; ++f)
             replacements_[f] =
-                neighbour_mean<Array>(faults_[f].row, faults_[f].column,
-                                      [&](std::size_t y, std::size_t x) { return is_faulty(y, x); });
+                detail::neighbour_mean<Array>(faults_[f].row, faults_[f].column,
+                                              [&](std::size_t y, std::size_t x) { return is_faulty(y, x); });
     }
 
     /// Replaces counts that this frame alone shows to be wrong.
@@ -257,11 +260,11 @@ private:
         };
         // What is replaced is never read: the order does not matter.
         visit_tactels(signs_, [&](std::size_t i, std::size_t row, std::size_t column) {
-            grid_.counts[grid::first + i] = neighbour_mean<Array>(row, column, unsound).of(grid_);
+            grid_.counts[grid::first + i] = detail::neighbour_mean<Array>(row, column, unsound).of(grid_);
         });
     }
 
-    static constexpr std::uint8_t dead_bit = 0x80; ///< in `against_`, beside the number of frames
+    static constexpr std::uint8_t dead_bit = 0x80; ///< of `against_`, whose other bits count frames
     /// A count that a stuck tactel is not below, and a dead one not above.
     static constexpr std::uint8_t sound_count = 10;
 
@@ -275,7 +278,7 @@ private:
     grid grid_{};
     std::array<std::uint8_t, grid::span> signs_{}, faulty_{}, against_{};
     std::array<std::uint8_t, most_faults> sound_frames_{};
-    std::array<neighbour_mean<Array>, most_faults> replacements_{};
+    std::array<detail::neighbour_mean<Array>, most_faults> replacements_{};
     std::uint8_t offset_ = 0; ///< of all tactels
     std::array<tactel_fault, most_faults> faults_{};
     alignas(64) std::array<std::uint8_t, size> clean_{};

@@ -195,12 +195,7 @@ public:
     }
     /// How many numbers the last layer reads: the features of a frame, if it is a dense layer. 0 for a
     /// network of a single step.
-    static constexpr std::size_t features = [] {
-        if constexpr (requires { Steps::before_last_map; })
-            return Steps::size > 1 ? Steps::before_last::output.size() : std::size_t{0};
-        else
-            return std::size_t{0};
-    }();
+    static constexpr std::size_t features = Steps::size > 1 ? Steps::before_last::output.size() : 0;
     /// Copies the features of the frame that `infer` or `classify` was last called for with this workspace,
     /// ordered [channel][row][column]. In 8 bits they are counts of the format's step from 0.
     void read_features(const workspace& memory, std::span<float, features> to) const noexcept {

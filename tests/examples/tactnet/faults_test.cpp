@@ -5,10 +5,12 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
 #include <files/claims.hpp>
+#include <set>
 #include <string>
 #include <support/run_program.hpp>
 #include <thread>
@@ -293,6 +295,34 @@ TEST_SUITE("program") {
         }
         CHECK(together == 0);
         CHECK(fs::is_empty(folder.path()));
+    }
+
+    TEST_CASE("evaluate: the claim of a program that was killed just before its end is removed") {
+        const workshop shop;
+        const words arguments(
+            "evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --epochs 2 --splits 1 "
+            "--results r");
+        shop.succeeds(arguments);
+        const auto locks = [&] {
+            const std::set<std::string> files = shop.everything();
+            return std::count_if(files.begin(), files.end(), [](const std::string& name) {
+                return name.find(".lock") != std::string::npos;
+            });
+        };
+        const pid_t holder = shop.start(shop.train_arguments("--epochs 1000000 --output r/net"));
+        shop.wait_for_first_epoch(holder);
+        const auto held = locks();
+        CHECK(held > 0);
+        // Such a file is locked by nobody: no training is left that would take it over.
+        tactnet::write_file(shop / "r" / ".tactnet-0123456789abcdef.lock", "");
+        tactnet::write_file(shop / "r" / ".tactnet-my.lock", "somebody's");
+        shop.succeeds(arguments);
+        CHECK(locks() == held + 1);
+        CHECK(fs::exists(shop / "r" / ".tactnet-my.lock"));
+        kill(holder, SIGKILL);
+        CHECK(shop.wait(holder).status == 1000 + SIGKILL);
+        shop.succeeds(arguments);
+        CHECK(locks() == 1);
     }
 
     TEST_CASE("claims: names are apart, and folders that were made for them go if they stay empty") {

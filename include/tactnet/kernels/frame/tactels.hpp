@@ -2,8 +2,10 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/simd/compiler_vector.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -85,15 +87,21 @@ template <std::size_t Size>
     return tally;
 }
 
+/// The distances of the eight neighbours of a tactel, in rows of `Stride`, from the one above and to the
+/// left.
+template <std::size_t Stride>
+inline constexpr std::array<std::size_t, 8> neighbour_distances{
+    0, 1, 2, Stride, Stride + 2, 2 * Stride, 2 * Stride + 1, 2 * Stride + 2};
+
 /// The limits of find_signs: see tactnet::fault_limits.
 struct sign_limits {
     std::uint8_t spike, hole, pressed, neighbours;
 };
 inline constexpr std::uint8_t spike_sign = 1, hole_sign = 2;
 
-/// Writes to `signs` what each of `Size` tactels, in rows of `Stride`, looks like beside its eight
-/// neighbours: spike_sign, hole_sign or 0. `counts` begins at the neighbour of the first tactel that is above
-/// and to the left. Returns whether any is not 0.
+/// Compares each of `Size` tactels, in rows of `Stride`, with its eight neighbours, and writes spike_sign,
+/// hole_sign or 0 to `signs`. `counts` begins at the neighbour of the first tactel that is above and to the
+/// left. Returns whether any is not 0.
 template <std::size_t Size, std::size_t Stride>
 [[nodiscard]] bool find_signs(const std::uint8_t* counts, const sign_limits& limits,
                               std::uint8_t* signs) noexcept {
@@ -104,14 +112,11 @@ template <std::size_t Size, std::size_t Stride>
         const auto own = load_any<vector>(counts + i + Stride + 1);
         const vector eighth = own >> 3;
         vector low{}, pressed{};
-        const auto take = [&](std::size_t distance) {
-            const auto neighbour = load_any<vector>(counts + i + distance);
+        unroll<8>([&](auto n) {
+            const auto neighbour = load_any<vector>(counts + i + neighbour_distances<Stride>[n]);
             low -= reinterpret_cast<vector>(neighbour < eighth);
             pressed -= reinterpret_cast<vector>(neighbour >= limits.pressed);
-        };
-        take(0), take(1), take(2);
-        take(Stride), take(Stride + 2);
-        take(2 * Stride), take(2 * Stride + 1), take(2 * Stride + 2);
+        });
         const auto spike = reinterpret_cast<vector>((own >= limits.spike) & (low >= limits.neighbours));
         const auto hole = reinterpret_cast<vector>((own <= limits.hole) & (pressed >= limits.neighbours));
         const vector sign = (spike & spike_sign) | (hole & hole_sign);
