@@ -149,6 +149,23 @@ TEST_CASE("temperature_scaling: probabilities of a softmax of logits ÷ temperat
     CHECK(logarithms[0] == 7);
 }
 
+TEST_CASE("reliability_diagram: what several took, and what was kept, is the same as taken by one") {
+    reliability_diagram one, first, second;
+    for (int i = 0; i < 40; ++i) {
+        const double probability = (i % 37) / 36.0;
+        one.add(probability, i % 3 == 0);
+        (i < 25 ? first : second).add(probability, i % 3 == 0);
+    }
+    first.add(second);
+    const reliability_diagram kept(first.bins());
+    for (std::size_t b = 0; b < reliability_diagram::bin_count; ++b) {
+        CHECK(kept.bins()[b].count == one.bins()[b].count);
+        CHECK(kept.bins()[b].right == one.bins()[b].right);
+    }
+    CHECK(kept.calibration_error() == doctest::Approx(one.calibration_error()));
+    CHECK(kept.brier_score() == doctest::Approx(one.brier_score()));
+}
+
 TEST_CASE("reliability_diagram: bins, calibration error and Brier score, by hand") {
     reliability_diagram found;
     CHECK(found.calibration_error() == 0);

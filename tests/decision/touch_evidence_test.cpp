@@ -26,7 +26,7 @@ double probability_of(const logits& sums, std::size_t classes) {
 
 } // namespace
 
-TEST_CASE("touch_evidence: grasps count as independent, the frames of a grasp by their correlation") {
+TEST_CASE("touch_evidence: frames of a grasp and grasps of an object count by their correlation") {
     const logits first{1, 2, 0, 9}, second{3, 1, 0, 9};
     touch_evidence<4> evidence(3);
     CHECK_FALSE(evidence.most_likely().has_value());
@@ -43,18 +43,28 @@ TEST_CASE("touch_evidence: grasps count as independent, the frames of a grasp by
     CHECK(evidence.add_frame(second));
     CHECK(evidence.grasps() == 2);
     CHECK(evidence.most_likely()->index == 0);
-    CHECK(evidence.most_likely()->probability == doctest::Approx(probability_of({4, 3, 0, 9}, 3)));
+    CHECK(evidence.most_likely()->probability ==
+          doctest::Approx(probability_of({4 / 1.35f, 3 / 1.35f, 0, 9}, 3)));
+    evidence.end_grasp();
+    CHECK(evidence.add_frame(second));
+    CHECK(evidence.most_likely()->probability ==
+          doctest::Approx(probability_of({7 / 1.7f, 4 / 1.7f, 0, 9}, 3)));
     evidence.clear();
     CHECK(evidence.grasps() == 0);
     CHECK_FALSE(evidence.most_likely().has_value());
 
     for (const double correlation : {-1.0, 0.0, 0.5, 1.0, 7.0}) {
-        touch_evidence<4> partly(3, {}, correlation);
-        (void)partly.add_frame(first);
-        (void)partly.add_frame(second);
-        const auto weight = static_cast<float>(1 / (1 + std::clamp(correlation, 0.0, 1.0)));
-        CHECK(partly.most_likely()->probability ==
-              doctest::Approx(probability_of({4 * weight, 3 * weight, 0, 9}, 3)));
+        const auto share = static_cast<float>(1 / (1 + std::clamp(correlation, 0.0, 1.0)));
+        const logits together{4 * share, 3 * share, 0, 9};
+        touch_evidence<4> of_frames(3, {}, {.frames = correlation});
+        (void)of_frames.add_frame(first);
+        (void)of_frames.add_frame(second);
+        CHECK(of_frames.most_likely()->probability == doctest::Approx(probability_of(together, 3)));
+        touch_evidence<4> of_grasps(3, {}, {.grasps = correlation});
+        (void)of_grasps.add_frame(first);
+        of_grasps.end_grasp();
+        (void)of_grasps.add_frame(second);
+        CHECK(of_grasps.most_likely()->probability == doctest::Approx(probability_of(together, 3)));
     }
 }
 
@@ -71,7 +81,8 @@ TEST_CASE("touch_evidence: a frame that is not finite is not taken") {
     CHECK(evidence.grasps() == 0);
 }
 
-TEST_CASE("touch_evidence: where probabilities are calibrated, decisions keep the promised rate of errors") {
+TEST_CASE("touch_evidence: where probabilities are calibrated and grasps independent, decisions keep the "
+          "promised rate of errors") {
     // Logits are log-likelihoods of a Gaussian observation with four possible means: exact posteriors.
     std::mt19937 random(11);
     std::normal_distribution<double> noise;
@@ -80,7 +91,7 @@ TEST_CASE("touch_evidence: where probabilities are calibrated, decisions keep th
         std::size_t wrong = 0, grasps = 0;
         for (std::size_t trial = 0; trial < trials; ++trial) {
             const std::size_t truth = trial % 4;
-            touch_evidence<4> evidence;
+            touch_evidence<4> evidence(4, {}, {.grasps = 0});
             while (!evidence.decide(rate)) {
                 const double seen = static_cast<double>(truth) + noise(random);
                 logits found{};

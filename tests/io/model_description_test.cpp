@@ -41,6 +41,22 @@ TEST_CASE("model_description: what was added is read back, number for number") {
     CHECK(d.subtracts_mean == true);
     CHECK(d.scale == 1.0F / 255);
     CHECK_FALSE(d.bits);
+    CHECK_FALSE(d.temperature);
+}
+
+TEST_CASE("model_description: the temperature of calibrated probabilities, where there is one") {
+    file_metadata metadata;
+    add_description(metadata, {.network = {},
+                               .rows = 4,
+                               .columns = 6,
+                               .classes = {"cable"},
+                               .epsilon = {},
+                               .subtracts_mean = false,
+                               .scale = {},
+                               .temperature = 2.0 / 3});
+    CHECK(describe_model(file_of(metadata)).temperature == 2.0 / 3);
+    metadata["format"] = "pt"; // another program's word
+    CHECK_FALSE(describe_model(file_of(metadata)).temperature);
 }
 
 TEST_CASE("model_description: of 8 bits it needs no epsilon and no scale") {
@@ -80,7 +96,7 @@ TEST_CASE("model_description: a file without metadata") {
 }
 
 TEST_CASE("model_description: numbers: our own must mean something, those of others may mean anything") {
-    for (const char* key : {"rows", "columns", "epsilon", "input_scale"})
+    for (const char* key : {"rows", "columns", "epsilon", "input_scale", "temperature"})
         for (const char* wrong : {"", "0", "-1", "nan", "inf", "4 ", "four"}) {
             file_metadata metadata = example();
             metadata[key] = wrong;

@@ -65,6 +65,11 @@ TEST_CASE("trainer: learns to tell three patterns apart") {
         evaluate(t.best(), t.input_normalisation(), task.images(), t.split().test, threads);
     MESSAGE("accuracy on test images: " << result.confusion.accuracy());
     CHECK(result.confusion.total() == 36);
+    REQUIRE(result.logits.size() == 36 * result.confusion.classes());
+    for (std::size_t i = 0; i < 36; ++i)
+        CHECK(first_largest(std::span(result.logits)
+                                .subspan(i * result.confusion.classes(), result.confusion.classes())) ==
+              result.recognised[i]);
     CHECK(result.confusion.accuracy() > 0.95);
     CHECK(result.recognised.size() == 36);
     CHECK(result.loss < 0.4);

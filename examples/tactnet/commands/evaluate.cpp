@@ -54,10 +54,11 @@ std::vector<tactnet::split_rule> rules_of(const evaluate_options& o) {
     return {split_rule_of(o.split)};
 }
 
-std::filesystem::path confusion_stem(const evaluate_options& o, const std::string& method, std::size_t rows,
-                                     std::size_t columns, std::size_t bits) {
+std::filesystem::path picture_stem(const evaluate_options& o, std::string_view kind,
+                                   const std::string& method, std::size_t rows, std::size_t columns,
+                                   std::size_t bits) {
     return std::filesystem::path(o.results) /
-           fmt::format("confusion_{}_{}x{}{}", method, rows, columns, bits == 8 ? "_8bit" : "");
+           fmt::format("{}_{}_{}x{}{}", kind, method, rows, columns, bits == 8 ? "_8bit" : "");
 }
 
 std::vector<named_file> outputs_of(const evaluate_options& o, const std::vector<candidate>& chosen) {
@@ -69,7 +70,9 @@ std::vector<named_file> outputs_of(const evaluate_options& o, const std::vector<
                                           folder / "learning_curves"};
     for (const candidate& c : chosen) // a method may be named twice
         for (const std::size_t bits : bits_of(c))
-            stems.insert(confusion_stem(o, c.what->name, c.what->rows, c.what->columns, bits));
+            for (const std::string_view kind : {"confusion", "reliability"})
+                if (kind == "confusion" || c.what->is_network())
+                    stems.insert(picture_stem(o, kind, c.what->name, c.what->rows, c.what->columns, bits));
     for (const std::filesystem::path& stem : stems)
         std::ranges::move(picture_files("--results", stem), std::back_inserter(files));
     return files;
@@ -121,15 +124,22 @@ void check(const evaluate_options& o, const split_plan& plan, const std::vector<
 
 void report(const evaluate_options& o, const std::vector<study_row>& rows) {
     const std::filesystem::path folder = o.results;
-    for (const study_row& row : rows)
-        plot_confusion(confusion_stem(o, row.method, row.rows, row.columns, row.bits),
-                       fmt::format("{}, {} {} splits", title_of(row), o.splits, name_of(shown_rule(rows))),
-                       row.confusion, row.classes);
+    for (const study_row& row : rows) {
+        const std::string title =
+            fmt::format("{}, {} {} splits", title_of(row), o.splits, name_of(shown_rule(rows)));
+        const auto stem = [&](std::string_view kind) {
+            return picture_stem(o, kind, row.method, row.rows, row.columns, row.bits);
+        };
+        plot_confusion(stem("confusion"), title, row.confusion, row.classes);
+        if (row.probabilities)
+            plot_reliability(stem("reliability"), title, *row.probabilities);
+    }
     tactnet::write_file(folder / "table.jsonl", study_json_lines(rows));
     tactnet::write_file(folder / "table.csv", study_csv(rows));
     draw_study_pictures(study_pictures(rows), folder);
-    for (const study_table& t : {methods_table(rows), details_table(rows)})
-        print(table(without_empty_columns(t.cells)) + t.notes + '\n');
+    for (const study_table& t : {methods_table(rows), details_table(rows), probabilities_table(rows)})
+        if (t.cells.size() > 1)
+            print(table(without_empty_columns(t.cells)) + t.notes + '\n');
     print("accuracy: test images, mean ± standard deviation (splits); µs: this machine, one core\n");
 }
 

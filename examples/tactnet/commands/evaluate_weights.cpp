@@ -4,6 +4,7 @@
 #include "commands/evaluate.hpp"
 #include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
+#include "evaluation/calibration.hpp"
 #include "evaluation/stored_split.hpp"
 #include "files/output_files.hpp"
 #include "reports/pictures.hpp"
@@ -18,6 +19,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <numeric>
 
 namespace {
@@ -46,7 +48,10 @@ int evaluate_weights(const evaluate_options& o) {
     const std::filesystem::path stem =
         std::filesystem::path(o.results) /
         ("confusion_" + std::filesystem::path(o.weights.weights).stem().string());
-    const std::vector<named_file> outputs = picture_files("--results", stem);
+    const std::filesystem::path reliability =
+        stem.parent_path() / ("reliability_" + std::filesystem::path(o.weights.weights).stem().string());
+    std::vector<named_file> outputs = picture_files("--results", stem);
+    std::ranges::move(picture_files("--results", reliability), std::back_inserter(outputs));
     check_outputs({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs, o.data);
     tidy_folders_of(outputs);
     const loaded_weights weights = load_weights(o.weights);
@@ -80,5 +85,17 @@ int evaluate_weights(const evaluate_options& o) {
                   grouped(costs.parameters), grouped(costs.multiply_adds),
                   grouped(costs.multiply_adds_on_pixels), grouped(costs.parameter_bytes),
                   fmt::format("{:.1f}", times.median), fmt::format("{:.1f}", times.in_batch)}}));
+    const calibration probabilities = calibration_of(result, chosen, data, weights.scaling);
+    if (!result.logits.empty()) {
+        plot_reliability(reliability, o.weights.weights, probabilities);
+        table_cells cells{{"probabilities", "calibration error, %", "Brier score"}};
+        const auto add = [&](const std::string& by, const tactnet::reliability_diagram& of) {
+            cells.push_back({by, fmt::format("{:.2f}", 100 * of.calibration_error()),
+                             fmt::format("{:.4f}", of.brier_score())});
+        };
+        add("of the softmax", probabilities.before);
+        add(fmt::format("at temperature {:.3f}", weights.scaling.temperature), probabilities.after);
+        print('\n' + table(cells));
+    }
     return success;
 }

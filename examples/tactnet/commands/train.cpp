@@ -4,6 +4,7 @@
 #include "commands/epochs.hpp"
 #include "console/standard_streams.hpp"
 #include "data/image_data.hpp"
+#include "evaluation/calibration.hpp"
 #include "files/claims.hpp"
 #include "files/output_files.hpp"
 #include "methods/description.hpp"
@@ -16,6 +17,7 @@
 
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/runtime/random.hpp>
+#include <tactnet/text/numbers.hpp>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -139,6 +141,8 @@ std::string finish(const train_options& o, const output_files& files, const imag
     const trained_method* const best = whole ? whole.get() : trained.get();
     const tactnet::evaluation test = tested(*best);
     const tactnet::evaluation validation = best->evaluate(data.view(), training.split().validation, threads);
+    if (const auto scaling = fit_temperature(validation, training.split().validation, data))
+        metadata["temperature"] = tactnet::shortest_number(scaling->temperature);
     if (epochs != nullptr)
         metadata["trained_epochs"] = fmt::to_string(epochs->history().size());
     if (test.confusion.total() > 0)

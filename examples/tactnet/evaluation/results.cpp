@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
@@ -23,6 +24,13 @@ json rounded_or_null(double value) {
     return std::isfinite(value) ? json(std::stod(fmt::format("{:.4g}", value))) : json(nullptr);
 }
 
+json bins_of(const tactnet::reliability_diagram& diagram) {
+    json bins = json::array();
+    for (const auto& [count, right, probability, squares] : diagram.bins())
+        bins.push_back({count, right, probability, squares});
+    return bins;
+}
+
 std::string line_of(const training_result& r) {
     std::vector<std::size_t> counts;
     for (std::size_t truth = 0; truth < r.confusion.classes(); ++truth)
@@ -38,6 +46,10 @@ std::string line_of(const training_result& r) {
     line["seconds"] = r.seconds;
     line["classes"] = r.confusion.classes();
     line["confusion"] = counts;
+    if (r.calibration)
+        line["calibration"] = {{"temperature", r.calibration->scaling.temperature},
+                               {"before", bins_of(r.calibration->before)},
+                               {"after", bins_of(r.calibration->after)}};
     for (const tactnet::epoch_report& e : r.curve)
         line["curve"].push_back({e.epoch, rounded_or_null(e.loss), rounded_or_null(e.validation_loss),
                                  rounded_or_null(e.validation_accuracy)});
@@ -53,6 +65,27 @@ std::size_t count_in(const json& value) {
 
 double number_in(const json& value) {
     return value.is_null() ? std::nan("") : value.get<double>();
+}
+
+tactnet::reliability_diagram diagram_in(const json& list) {
+    std::array<tactnet::reliability_diagram::bin, tactnet::reliability_diagram::bin_count> bins;
+    if (!list.is_array() || list.size() != bins.size())
+        throw std::runtime_error(fmt::format("expected {} bins of probabilities", bins.size()));
+    for (std::size_t b = 0; b < bins.size(); ++b) {
+        bins[b] = {count_in(list[b].at(0)), count_in(list[b].at(1)), list[b].at(2), list[b].at(3)};
+        const auto count = static_cast<double>(bins[b].count);
+        const auto holds = [&](double sum) { return sum >= 0 && sum <= count * (1 + 1e-5); };
+        if (bins[b].right > bins[b].count || !holds(bins[b].probability) || !holds(bins[b].squares))
+            throw std::runtime_error("expected sums within the count of a bin, found " + list[b].dump());
+    }
+    return tactnet::reliability_diagram(bins);
+}
+
+calibration calibration_in(const json& object) {
+    const double temperature = object.at("temperature");
+    if (!(temperature > 0 && std::isfinite(temperature)))
+        throw std::runtime_error("expected a temperature above 0, found " + object.at("temperature").dump());
+    return {{temperature}, diagram_in(object.at("before")), diagram_in(object.at("after"))};
 }
 
 std::vector<tactnet::epoch_report> curve_in(const json& points) {
@@ -89,6 +122,8 @@ training_result result_of(const std::string& text) {
     for (std::size_t i = 0; i < counts.size(); ++i)
         for (std::size_t n = 0; n < counts[i]; ++n)
             r.confusion.add(i / classes, i % classes);
+    if (line.contains("calibration"))
+        r.calibration = calibration_in(line["calibration"]);
     if (line.contains("curve"))
         r.curve = curve_in(line["curve"]);
     return r;

@@ -3,6 +3,7 @@
 // Finished trainings of an evaluation, in a file of JSON lines that grows by one as each is done. What is in
 // there need not be done again.
 
+#include "evaluation/calibration.hpp"
 #include "files/line_file.hpp"
 
 #include <tactnet/io/model_file.hpp>
@@ -13,6 +14,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,6 +25,9 @@ struct training_result {
     double training_accuracy = 0;   ///< on images as they are
     /// On test images, averaged over their reflections; NaN for methods that do not do that.
     double reflected_accuracy = std::numeric_limits<double>::quiet_NaN();
+    /// Of test images, at a temperature fitted on the validation images; nothing for methods without
+    /// probabilities, and in lists of before version 0.3.
+    std::optional<::calibration> calibration{};
     double seconds = 0;
     std::size_t epochs = 0;
     /// See curve_of; without rates. Empty for methods without epochs.

@@ -3,6 +3,7 @@
 #include "console/progress.hpp"
 #include "console/standard_streams.hpp"
 #include "data/input_file.hpp"
+#include "evaluation/calibration.hpp"
 #include "files/claims.hpp"
 #include "methods/weights.hpp"
 
@@ -32,15 +33,19 @@ training_result result_of(const trained_method& trained, const image_data& data,
                           tactnet::file_metadata settings) {
     tactnet::thread_pool alone;
     const auto evaluated = [&](std::span<const std::size_t> images) {
-        return trained.evaluate(data.view(), images, alone).confusion;
+        return trained.evaluate(data.view(), images, alone);
     };
+    const auto& [training_images, validation_images, test_images] = training.split();
+    const tactnet::evaluation test = evaluated(test_images), validation = evaluated(validation_images);
     training_result result;
     result.settings = std::move(settings);
-    result.confusion = evaluated(training.split().test);
-    if (const auto reflected = trained.evaluate_reflections(data.view(), training.split().test, alone))
+    result.confusion = test.confusion;
+    if (const auto scaling = fit_temperature(validation, validation_images, data))
+        result.calibration = calibration_of(test, test_images, data, *scaling);
+    if (const auto reflected = trained.evaluate_reflections(data.view(), test_images, alone))
         result.reflected_accuracy = reflected->confusion.accuracy();
-    result.validation_accuracy = evaluated(training.split().validation).accuracy();
-    result.training_accuracy = evaluated(training.split().training).accuracy();
+    result.validation_accuracy = validation.confusion.accuracy();
+    result.training_accuracy = evaluated(training_images).confusion.accuracy();
     return result;
 }
 

@@ -5,6 +5,7 @@
 
 #include "methods/pretrained.hpp"
 
+#include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/deployment/export/header_description.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors/source.hpp>
@@ -72,7 +73,7 @@ public:
     /// Of a weight: 8, or 32 in single precision.
     virtual std::size_t bits() const { return 32; }
     virtual const std::vector<std::string>& classes() const = 0;
-    /// The loss of a support vector machine is NaN.
+    /// The loss of a support vector machine is NaN, and it has no logits.
     virtual tactnet::evaluation evaluate(const tactnet::labelled_images& images,
                                          std::span<const std::size_t> chosen,
                                          tactnet::thread_pool& threads) const = 0;
@@ -82,8 +83,9 @@ public:
                                                                     tactnet::thread_pool&) const {
         return std::nullopt;
     }
-    /// Of images that are stored one after the other.
+    /// Of images that are stored one after the other. The scaling is of a network's probabilities.
     virtual std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
+                                                const tactnet::temperature_scaling& scaling,
                                                 tactnet::thread_pool& threads) const = 0;
     virtual void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
                       std::span<const std::uint8_t> selftest) const = 0;

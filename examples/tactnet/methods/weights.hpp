@@ -27,7 +27,8 @@ struct loaded_weights {
     const method* what;
     std::unique_ptr<trained_method> trained;
     std::vector<std::string> classes;
-    bool named; ///< whether anyone said what the classes are called
+    bool named;                           ///< whether anyone said what the classes are called
+    tactnet::temperature_scaling scaling; ///< the file's, else none
     tactnet::file_metadata metadata;
 };
 

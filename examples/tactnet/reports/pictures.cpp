@@ -205,3 +205,26 @@ void plot_confusion(const std::filesystem::path& stem, const std::string& title,
         "confusion.gnuplot", stem, confusion_csv(confusion, classes),
         {fmt::format("{} ({} of {} right)", title, confusion.correct(), confusion.total()), classes});
 }
+
+std::string reliability_csv(const calibration& of) {
+    std::vector<nlohmann::ordered_json> rows;
+    for (std::size_t b = 0; b < tactnet::reliability_diagram::bin_count; ++b) {
+        nlohmann::ordered_json& row = rows.emplace_back();
+        const auto add = [&](const std::string& by, const tactnet::reliability_diagram::bin& bin) {
+            const bool some = bin.count > 0;
+            row[by + "_probability"] = some ? bin.mean_probability() : std::nan("");
+            row[by + "_accuracy"] = some ? bin.accuracy() : std::nan("");
+            row[by + "_count"] = bin.count;
+        };
+        add("softmax", of.before.bins()[b]);
+        add("calibrated", of.after.bins()[b]);
+    }
+    return csv_of(rows);
+}
+
+void plot_reliability(const std::filesystem::path& stem, const std::string& title, const calibration& of) {
+    draw_picture("reliability.gnuplot", stem, reliability_csv(of),
+                 {fmt::format("{} (calibration error {:.1f} %, by the softmax {:.1f} %)", title,
+                              100 * of.after.calibration_error(), 100 * of.before.calibration_error()),
+                  {}});
+}

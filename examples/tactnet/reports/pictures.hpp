@@ -2,6 +2,8 @@
 
 // Pictures, drawn by gnuplot if it is installed: each from a CSV file, by a script that the program holds.
 
+#include "evaluation/calibration.hpp"
+
 #include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/metrics.hpp>
 
@@ -45,3 +47,7 @@ std::string confusion_csv(const tactnet::confusion_matrix& confusion,
                           const std::vector<std::string>& classes);
 void plot_confusion(const std::filesystem::path& stem, const std::string& title,
                     const tactnet::confusion_matrix& confusion, const std::vector<std::string>& classes);
+
+/// A line for each bin of probabilities, by the softmax and by the fitted temperature.
+std::string reliability_csv(const calibration& of);
+void plot_reliability(const std::filesystem::path& stem, const std::string& title, const calibration& of);

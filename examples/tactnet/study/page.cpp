@@ -258,10 +258,33 @@ study_table details_table(const std::vector<study_row>& rows) {
     return t;
 }
 
+study_table probabilities_table(const std::vector<study_row>& rows) {
+    study_table t{
+        "probabilities",
+        "How sure networks are",
+        fmt::format(
+            "Calibration error: by how much the probability of the recognised class differs from how "
+            "often it is right, mean over 15 bins. Brier score: the mean square of that probability's "
+            "error. Before: by the softmax. After: with logits divided by a temperature that each "
+            "training fits to its validation images. All {} splits together.",
+            name_of(shown_rule(rows))),
+        {{"method", "tactels", "recipe", "temperature", "calibration error before, %", "after, %",
+          "Brier score before", "after"}}};
+    for (const study_row& row : rows)
+        if (row.probabilities) {
+            const auto& [scaling, before, after] = *row.probabilities;
+            t.cells.push_back(
+                {method_title(row), size_of(row), row.recipe, fmt::format("{:.2f}", scaling.temperature),
+                 percent_of(before.calibration_error()), percent_of(after.calibration_error()),
+                 fmt::format("{:.4f}", before.brier_score()), fmt::format("{:.4f}", after.brier_score())});
+        }
+    return t;
+}
+
 std::vector<study_table> study_tables(const std::vector<study_row>& rows) {
-    std::vector<study_table> all{front_table(rows),      methods_table(rows), details_table(rows),
-                                 against_table(rows),    memory_table(rows),  instruction_sets_table(rows),
-                                 split_rules_table(rows)};
+    std::vector<study_table> all{
+        front_table(rows),   methods_table(rows), details_table(rows),          probabilities_table(rows),
+        against_table(rows), memory_table(rows),  instruction_sets_table(rows), split_rules_table(rows)};
     const split_rule rule = shown_rule(rows);
     if (const study_row* best = most_accurate(rows, rule); best != nullptr && !best->classes.empty()) {
         all.push_back(class_rates_table(*best, rule));

@@ -16,10 +16,23 @@
 
 namespace {
 
+std::optional<calibration> together(std::span<const calibration> splits) {
+    if (splits.empty())
+        return std::nullopt;
+    calibration all{{0}};
+    for (const calibration& each : splits) {
+        all.scaling.temperature += each.scaling.temperature / static_cast<double>(splits.size());
+        all.before.add(each.before);
+        all.after.add(each.after);
+    }
+    return all;
+}
+
 split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, const std::vector<task>& tasks,
                                const result_list& results, std::size_t wanted, study_row& row) {
     std::vector<double> test, validation, training, reflected;
     std::vector<std::vector<tactnet::epoch_report>> curves;
+    std::vector<calibration> calibrations;
     const auto keep = [](std::vector<double>& list, double value) {
         if (std::isfinite(value))
             list.push_back(value);
@@ -39,12 +52,17 @@ split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, con
         keep(training, r->training_accuracy);
         keep(reflected, r->reflected_accuracy);
         row.seconds = row.seconds > 0 ? std::min(row.seconds, r->seconds) : r->seconds;
-        if (row.accuracies.empty()) // of the first rule that has any
+        if (row.accuracies.empty()) { // of the first rule that has any
             row.confusion.add(r->confusion);
+            if (r->calibration)
+                calibrations.push_back(*r->calibration);
+        }
         curves.push_back(r->curve);
     }
-    if (row.accuracies.empty())
+    if (row.accuracies.empty()) {
         row.curve = mean_curve(curves);
+        row.probabilities = together(calibrations);
+    }
     const auto mean_of = [](const std::vector<double>& values) {
         return values.empty() ? std::nan("") : tactnet::mean_and_deviation::of(values).mean;
     };
@@ -99,6 +117,13 @@ nlohmann::ordered_json json_of(const study_row& row) {
     put("published_accuracy", row.published != nullptr, paper.accuracy / 100);
     put("published_deviation", row.published != nullptr, paper.deviation / 100);
     put("published_microseconds", paper.seconds > 0, 1e6 * paper.seconds);
+    const bool calibrated = row.probabilities.has_value();
+    const calibration probabilities = row.probabilities.value_or(calibration{});
+    put("temperature", calibrated, probabilities.scaling.temperature);
+    put("softmax_calibration_error", calibrated, probabilities.before.calibration_error());
+    put("softmax_brier_score", calibrated, probabilities.before.brier_score());
+    put("calibration_error", calibrated, probabilities.after.calibration_error());
+    put("brier_score", calibrated, probabilities.after.brier_score());
     object["declaration"] = row.declaration;
     object["missing"] = row.missing;
     return object;

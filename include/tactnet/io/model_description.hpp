@@ -30,6 +30,8 @@ struct model_description {
     std::optional<bool> subtracts_mean;
     std::optional<float> scale;
     std::optional<std::size_t> bits{}; ///< of a weight: 8, or nothing for single precision
+    /// What logits are divided by for calibrated probabilities (temperature_scaling).
+    std::optional<double> temperature{};
 };
 
 namespace detail {
@@ -112,6 +114,7 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
     d.scale = detail::number_in<float>(file, "input_scale", "a positive number", ours);
     d.bits = detail::number_in<std::size_t>(file, "bits", eight_bits, ours);
     require(!d.bits || *d.bits == 8, "bits", eight_bits);
+    d.temperature = detail::number_in<double>(file, "temperature", "a positive number", ours);
     return d;
 }
 
@@ -135,6 +138,8 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
         metadata["input_scale"] = shortest_number(*d.scale);
     if (d.bits)
         metadata["bits"] = std::to_string(*d.bits);
+    if (d.temperature)
+        metadata["temperature"] = shortest_number(*d.temperature);
 }
 
 }} // namespace tactnet

@@ -23,6 +23,7 @@ struct evaluation {
     double loss = 0; ///< mean cross-entropy
     confusion_matrix confusion;
     std::vector<std::size_t> recognised; ///< class of each chosen sample
+    std::vector<float> logits{};         ///< of each chosen sample a row, one per class
 };
 
 /// Which variants of a sample an evaluation averages over.
@@ -56,7 +57,7 @@ inline evaluation evaluate(shape input, std::span<const float> mean, float scale
                            const labelled_samples& samples, std::span<const std::size_t> chosen,
                            test_time_augmentation how, const logits_of_batch& logits) {
     constexpr std::size_t at_once = 64;
-    evaluation result{0, confusion_matrix(samples.classes()), {}};
+    evaluation result{0, confusion_matrix(samples.classes()), {}, {}};
     std::vector<float> of_classes(samples.classes());
     for (std::size_t first = 0; first < chosen.size(); first += at_once) {
         const std::size_t count = std::min(at_once, chosen.size() - first);
@@ -81,6 +82,7 @@ inline evaluation evaluate(shape input, std::span<const float> mean, float scale
         for (std::size_t i = 0; i < count; ++i) {
             for (std::size_t c = 0; c < samples.classes(); ++c)
                 of_classes[c] = out(i, c);
+            result.logits.insert(result.logits.end(), of_classes.begin(), of_classes.end());
             const std::size_t best = first_largest(of_classes);
             result.recognised.push_back(best);
             result.confusion.add(labels[i], best);

@@ -123,10 +123,12 @@ std::vector<float> logits_of(const any_model& model, std::size_t count,
                              const std::function<void(std::size_t, std::span<float>)>& make);
 /// Throws std::runtime_error: logits are not finite.
 [[noreturn]] void refuse_logits();
-/// Of rows of `outputs` logits or probabilities, of which those of `classes` count. Throws
-/// std::runtime_error for some that are not finite.
+/// Takes the logarithms of the probabilities that a network ends in, which are logits; of zero a finite one.
+void make_logits(std::span<float> probabilities);
+/// Of rows of `outputs` logits, of which those of `classes` count. Throws std::runtime_error for some that
+/// are not finite.
 std::vector<scored_class> classes_of_rows(std::span<const float> rows, std::size_t outputs,
-                                          std::size_t classes, bool are_probabilities = false);
+                                          std::size_t classes, const tactnet::temperature_scaling& scaling);
 
 /// A training by epochs. `finish` makes a trained method of its best network; `kept` lives as long as the
 /// training.

@@ -40,9 +40,12 @@ public:
         return evaluate(images, chosen, threads, tactnet::test_time_augmentation::reflections);
     }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
+                                        const tactnet::temperature_scaling& scaling,
                                         tactnet::thread_pool& threads) const override {
-        return classes_of_rows(outputs(images, threads), code_.outputs, classes_.size(),
-                               deployed_->gives_probabilities());
+        std::vector<float> rows = outputs(images, threads);
+        if (deployed_->gives_probabilities())
+            make_logits(rows);
+        return classes_of_rows(rows, code_.outputs, classes_.size(), scaling);
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {
@@ -75,9 +78,8 @@ private:
                     for (std::size_t e = 0; e < pixels; ++e)
                         frames.push_back(static_cast<std::uint8_t>(in(i, e)));
                 std::vector<float> found = outputs(frames, threads);
-                if (deployed_->gives_probabilities()) // whose logarithms are logits, from a finite one on
-                    for (float& output : found)
-                        output = std::log(std::max(output, std::numeric_limits<float>::min()));
+                if (deployed_->gives_probabilities())
+                    make_logits(found);
                 for (std::size_t i = 0; i < in.samples(); ++i)
                     out.set(i, std::span(found).subspan(i * code_.outputs, code_.outputs));
             });

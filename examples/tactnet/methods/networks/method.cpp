@@ -48,12 +48,15 @@ public:
                                  tactnet::test_time_augmentation::reflections);
     }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
+                                        const tactnet::temperature_scaling& scaling,
                                         tactnet::thread_pool& threads) const override {
         const auto deployed = code_.deploy(model_);
         std::vector<float> outputs(images.size() / code_.pixels() * code_.outputs);
         if (!deployed->infer(threads, images, outputs))
             refuse_logits();
-        return classes_of_rows(outputs, code_.outputs, classes().size(), deployed->gives_probabilities());
+        if (deployed->gives_probabilities())
+            make_logits(outputs);
+        return classes_of_rows(outputs, code_.outputs, classes().size(), scaling);
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {

@@ -1,11 +1,12 @@
 #include "methods/networks/compiled.hpp"
 
 #include <tactnet/io/checkpoint.hpp>
-#include <tactnet/networks/recognition.hpp>
 #include <tactnet/training/initialise.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -76,13 +77,16 @@ void refuse_logits() {
     throw std::runtime_error("expected finite logits, found some that are not: the weights are broken");
 }
 
+void make_logits(std::span<float> probabilities) {
+    for (float& probability : probabilities)
+        probability = std::log(std::max(probability, std::numeric_limits<float>::min()));
+}
+
 std::vector<scored_class> classes_of_rows(std::span<const float> rows, std::size_t outputs,
-                                          std::size_t classes, bool are_probabilities) {
+                                          std::size_t classes, const tactnet::temperature_scaling& scaling) {
     std::vector<scored_class> result;
     for (std::size_t first = 0; first < rows.size(); first += outputs) {
-        const auto row = rows.subspan(first, outputs);
-        const auto found = are_probabilities ? tactnet::classify_probabilities(row, classes)
-                                             : tactnet::classify_logits(row, classes);
+        const auto found = scaling.classify(rows.subspan(first, outputs), classes);
         if (!found)
             refuse_logits();
         result.push_back({found->index, found->probability});

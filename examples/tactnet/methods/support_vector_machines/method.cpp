@@ -112,7 +112,7 @@ public:
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
                                  tactnet::thread_pool& threads) const override {
         tactnet::evaluation result{
-            std::numeric_limits<double>::quiet_NaN(), tactnet::confusion_matrix(images.classes), {}};
+            std::numeric_limits<double>::quiet_NaN(), tactnet::confusion_matrix(images.classes), {}, {}};
         for (const scored_class& found : recognise_chosen(images.pixels, chosen, threads)) {
             result.confusion.add(images.labels[chosen[result.recognised.size()]], found.label);
             result.recognised.push_back(found.label);
@@ -120,6 +120,7 @@ public:
         return result;
     }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
+                                        const tactnet::temperature_scaling&,
                                         tactnet::thread_pool& threads) const override {
         return recognise_chosen(images, all_of(images), threads);
     }
@@ -317,7 +318,7 @@ public:
         return [trained = std::shared_ptr(run.best({})), pixels = std::move(pixels),
                 each = finder_.image.area()](std::size_t frames) {
             tactnet::thread_pool threads;
-            static_cast<void>(trained->recognise(std::span(pixels).first(frames * each), threads));
+            static_cast<void>(trained->recognise(std::span(pixels).first(frames * each), {}, threads));
         };
     }
     std::unique_ptr<training_run> train(const tactnet::recipe&, const tactnet::labelled_images& images,

@@ -22,7 +22,7 @@ public:
     const std::vector<std::string>& classes() const override { return model_.classes; }
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
                                  tactnet::thread_pool& threads) const override {
-        tactnet::evaluation result{0, tactnet::confusion_matrix(images.classes), {}};
+        tactnet::evaluation result{0, tactnet::confusion_matrix(images.classes), {}, {}};
         in_parts(
             chosen.size(), model_.mean.size() * sizeof(float), [&](std::size_t first, std::size_t count) {
                 const auto some = chosen.subspan(first, count);
@@ -34,6 +34,7 @@ public:
                     tactnet::evaluate(*model_.network, model_.mean, model_.scale,
                                       tactnet::labelled_features{rows, labels, images.classes},
                                       tactnet::all_samples(count), threads);
+                result.logits.insert(result.logits.end(), part.logits.begin(), part.logits.end());
                 result.loss += part.loss * static_cast<double>(count) / static_cast<double>(chosen.size());
                 for (std::size_t i = 0; i < count; ++i) {
                     result.recognised.push_back(part.recognised[i]);
@@ -43,13 +44,14 @@ public:
         return result;
     }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
+                                        const tactnet::temperature_scaling& scaling,
                                         tactnet::thread_pool& threads) const override {
         std::vector<scored_class> result;
         in_parts(tactnet::detail::count_images(images.size(), image_.area()),
                  model_.mean.size() * sizeof(float), [&](std::size_t first, std::size_t count) {
                      const auto some = images.subspan(first * image_.area(), count * image_.area());
                      for (const scored_class& found :
-                          classes_of_rows(logits(some, threads), classes().size(), classes().size()))
+                          classes_of_rows(logits(some, threads), classes().size(), classes().size(), scaling))
                          result.push_back(found);
                  });
         return result;

@@ -34,10 +34,20 @@ TEST_SUITE("program") {
         for (const std::string& line : lines_of(kept)) {
             const auto result = nlohmann::json::parse(line);
             CHECK(result.at("reflected_accuracy").is_number());
+            CHECK(result.at("calibration").at("temperature").is_number());
+            std::size_t images = 0;
+            for (const auto& bin : result.at("calibration").at("after"))
+                images += bin.at(0).get<std::size_t>();
+            std::size_t tested = 0;
+            for (const auto& count : result.at("confusion"))
+                tested += count.get<std::size_t>();
+            CHECK(images == tested);
         }
         CHECK(lines_of(text_of(shop / "r/table.csv")).size() == 3);
         CHECK(lines_of(text_of(shop / "r/table.jsonl")).size() == 2);
         CHECK(fs::exists(shop / "r/confusion_tactnet4_7x13.csv"));
+        CHECK(lines_of(text_of(shop / "r/reliability_tactnet4_7x13.csv")).size() == 16);
+        CHECK(first.out.find("calibration error before, %") != std::string::npos);
         CHECK(lines_of(text_of(shop / "r/accuracy_and_time.csv"))[0] == "series,x,accuracy,deviation,words");
         CHECK(lines_of(text_of(shop / "r/learning_curves.csv")).size() > 1);
         CHECK(lines_of(text_of(shop / "r/table.csv"))[0].starts_with("method,rows,columns,recipe,bits,"));
@@ -45,7 +55,8 @@ TEST_SUITE("program") {
         for (const char* known :
              {"random_accuracy", "random_deviation", "blocked_accuracy", "blocked_deviation", "parameters",
               "multiply_adds", "multiply_adds_on_pixels", "bytes", "activation_bytes", "microseconds",
-              "microseconds_in_batch", "training_seconds"})
+              "microseconds_in_batch", "training_seconds", "temperature", "softmax_calibration_error",
+              "softmax_brier_score", "calibration_error", "brier_score"})
             CHECK_MESSAGE(row.at(known).is_number(), known);
         // TactNet-4 for three classes: 6128 parameters of convolutions and batch norms, 64 x 3 + 3 of the
         // last layer.

@@ -3,6 +3,7 @@
 #include "../workshop.hpp"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <png.h>
@@ -69,6 +70,24 @@ TEST_SUITE("program") {
         REQUIRE(lines.size() == 2);
         CHECK(lines[0] == lines[1]);
         CHECK(lines[0].starts_with("\"" + image + "\",1,\"middle, of all\",0."));
+
+        // Probabilities are of a temperature that the validation images gave; files without one have 1.
+        const double temperature = std::stod(file.metadata().at("temperature"));
+        CHECK(temperature != 1);
+        says(tested.out, fmt::format("at temperature {:.3f}", temperature));
+        CHECK(fs::exists(shop / "results/reliability_net.csv"));
+        tactnet::safetensors_writer without;
+        without.metadata = file.metadata();
+        without.metadata.erase("temperature");
+        for (const auto& [name, array] : file.tensors())
+            without.add(name, array.type, array.extents, file.bytes(name));
+        without.write(shop / "out/plain.safetensors");
+        const outcome plain = shop.succeeds({"classify", "--weights", "out/plain.safetensors", image});
+        const auto probability = [](const std::string& line) {
+            return std::stod(line.substr(line.rfind(',') + 1));
+        };
+        const double softmax = probability(lines_of(plain.out)[0]), scaled = probability(lines[0]);
+        CHECK((scaled > softmax) == (temperature < 1));
 
         // Another size only when asked.
         write_png(shop / "large.png", 14, 26, std::vector<std::uint8_t>(14 * 26, 50));

@@ -319,6 +319,63 @@ TEST_SUITE("program") {
                              tactnet::file_error);
     }
 
+    TEST_CASE("result_list: bins of probabilities come back, and impossible ones are refused") {
+        const temporary_folder folder;
+        const auto path = folder / "evaluation.jsonl";
+        training_result made;
+        made.settings = {{"network", "net"}};
+        made.confusion = tactnet::confusion_matrix(1);
+        made.confusion.add(0, 0);
+        result_list(path).add(made);
+        CHECK_FALSE(result_list(path).find(made.settings)->calibration);
+        made.settings["network"] = "other";
+        made.calibration.emplace();
+        made.calibration->scaling.temperature = 2.0 / 3;
+        made.calibration->before.add(0.7, true);
+        made.calibration->before.add(0.72, false);
+        made.calibration->after.add(1.0 / 3, true);
+        result_list(path).add(made);
+        const auto read = result_list(path).find(made.settings)->calibration;
+        REQUIRE(read.has_value());
+        CHECK(read->scaling.temperature == 2.0 / 3);
+        CHECK(read->before.bins()[10].count == 2);
+        CHECK(read->before.bins()[10].right == 1);
+        CHECK(read->before.calibration_error() == doctest::Approx(0.21));
+        CHECK(read->before.brier_score() == doctest::Approx((0.09 + 0.72 * 0.72) / 2));
+        CHECK(read->after.calibration_error() == doctest::Approx(2.0 / 3));
+
+        const std::string bins = "[[2,1,1.42,0.6]" + [] {
+            std::string others;
+            for (int b = 1; b < 15; ++b)
+                others += ",[0,0,0.0,0.0]";
+            return others;
+        }() + "]";
+        const auto error_of = [&](const std::string& temperature, const std::string& after) -> std::string {
+            const std::string line =
+                R"({"settings":{},"validation_accuracy":1,"training_accuracy":1,"reflected_accuracy":null,)"
+                R"("epochs":1,"seconds":1,"classes":1,"confusion":[1],"calibration":{"temperature":)" +
+                temperature + ",\"before\":" + bins + ",\"after\":" + after + "}}";
+            tactnet::write_file(path, tactnet::with_checksum(line) + '\n');
+            try {
+                result_list{path};
+            } catch (const tactnet::file_error& error) {
+                return error.what();
+            }
+            return "";
+        };
+        const auto with = [&](const std::string& first) {
+            return '[' + first + bins.substr(std::string_view("[[2,1,1.42,0.6]").size());
+        };
+        CHECK(error_of("0.5", bins).empty());
+        for (const char* wrong : {"0", "-1", "null", "\"1\""})
+            CHECK(has(error_of(wrong, bins), "expected a result of tactnet evaluate, found"));
+        for (const char* wrong : {"[2,3,1.4,0.6]", "[2,1,2.4,0.6]", "[2,1,-0.1,0.6]", "[2,1,1.4,2.1]",
+                                  "[2,1,1.4]", "[-2,1,1.4,0.6]", "[2,1,null,0.6]"})
+            CHECK_MESSAGE(has(error_of("0.5", with(wrong)), "expected a result of tactnet evaluate, found"),
+                          wrong);
+        CHECK(has(error_of("0.5", "[]"), "expected 15 bins of probabilities"));
+    }
+
     TEST_CASE(
         "result_list: a training by another version or instruction set is found where there is no own") {
         const temporary_folder folder;

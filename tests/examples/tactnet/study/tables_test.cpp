@@ -113,6 +113,20 @@ TEST_SUITE("program") {
         CHECK(has(study_csv(rows), ",12,0.905,0.0075,"));
     }
 
+    TEST_CASE("study_rows: how sure networks are, before and after a temperature") {
+        std::vector<study_row> rows{studied("net", 0.875, 10), studied("machine", 0.5, 1)};
+        CHECK(!has(markdown(rows), "study probabilities"));
+        rows[0].probabilities.emplace();
+        rows[0].probabilities->scaling.temperature = 0.654;
+        rows[0].probabilities->before.add(0.5, true);
+        rows[0].probabilities->after.add(0.9, true);
+        const std::string text = markdown(rows);
+        CHECK(has(text, "| net | 7 × 13 | default | 0.65 | 50.00 | 10.00 | 0.2500 | 0.0100 |"));
+        CHECK(!has(text, "| machine | 7 × 13 | default | 0"));
+        CHECK(has(study_csv(rows), ",temperature,softmax_calibration_error,softmax_brier_score,"
+                                   "calibration_error,brier_score,"));
+    }
+
     TEST_CASE("study_markdown: beside each of the paper's methods the fastest that is at least as accurate") {
         std::vector<study_row> rows{studied("slow", 0.96, 1000), studied("fast", 0.95, 10),
                                     studied("fastest", 0.7, 1)};
