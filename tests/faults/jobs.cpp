@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
+#include <tuple>
 
 namespace faults {
 namespace {
@@ -133,11 +135,13 @@ std::vector<job> jobs(const materials& made, bool only_writers) {
         all.push_back({"decoder's help", {decode, "--help"}, {}, "", true, false, nothing});
     }
     if (!made.where().stream.empty())
-        for (const char* kind : {"own", "plain"}) {
+        for (const auto& [name, kind, options] : {std::tuple{"own", "own", words{"own"}},
+                                                  {"plain", "plain", {}},
+                                                  {"live", "own", {"own", "--air", "2", "--json"}},
+                                                  {"picture", "plain", {"--picture", "--air", "1"}}}) {
             words command{made.where().stream.string(), (made / "stream.net").string()};
-            if (std::string(kind) == "own")
-                command.emplace_back("own");
-            all.push_back({std::string("stream, ") + kind,
+            command.insert(command.end(), options.begin(), options.end());
+            all.push_back({std::string("stream, ") + name,
                            command,
                            {},
                            bytes_of(made / (std::string(kind) + ".stream")),

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <tactnet/sensors/text/measures.hpp>
+#include <tactnet/text/numbers.hpp>
+#include <tactnet/text/quoting.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+/// What the user asks for.
+struct arguments {
+    std::filesystem::path weights;
+    enum class source { frames, own, recording } from = source::frames;
+    enum class output { lines, json, picture } as = output::lines;
+    std::size_t frames_of_air = 0;
+    double rate = 0; ///< frames per second; 0: as they come
+    bool paced = false;
+    bool help = false;
+};
+
+inline constexpr const char* usage =
+    "usage: tactnet_stream [options] WEIGHTS [own | recording] <STREAM\n"
+    "\n"
+    "Recognises the frames of a sensor one by one, as they arrive at standard input: frames of 1400 bytes,\n"
+    "packets of the device in own_device.hpp (own), or a Tekscan recording of 28 x 50 tactels (recording).\n"
+    "WEIGHTS is of a TactNet-6 for 28 x 50 counts, such as tactnet train writes.\n"
+    "  --air N     nothing touches the array in the first N frames (50 will do): learns the baseline from\n"
+    "              them, finds faulty tactels and contacts, and recognises touches by all their frames\n"
+    "  --json      a JSON object per frame\n"
+    "  --picture   each frame as a picture in a terminal of 24-bit colours, with 50 columns or more\n"
+    "  --rate HZ   plays so many frames per second\n"
+    "  --paced     plays a recording at its own pace\n";
+
+/// Something in the command line that cannot be.
+struct usage_error : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// Throws usage_error.
+inline arguments read_arguments(std::span<const char* const> words) {
+    arguments result;
+    bool sourced = false;
+    const auto number_behind = [&](std::size_t& at, const char* what) {
+        const std::string option = words[at];
+        if (++at >= words.size())
+            throw usage_error("expected " + std::string(what) + " behind " + option +
+                              ", found the end of the command line");
+        return std::string_view(words[at]);
+    };
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const std::string_view word = words[i];
+        if (word == "--help" || word == "-h") {
+            result.help = true;
+        } else if (word == "--air") {
+            const std::string_view text = number_behind(i, "a number of frames");
+            const auto frames = tactnet::whole_number(text);
+            if (!frames || *frames == 0 || *frames > 1'000'000)
+                throw usage_error("--air: expected a number of frames from 1 to 1000000, found " +
+                                  tactnet::in_quotes(text));
+            result.frames_of_air = static_cast<std::size_t>(*frames);
+        } else if (word == "--rate") {
+            const std::string_view text = number_behind(i, "frames per second");
+            const auto read = tactnet::read_floating_point<double>(text.data(), text.data() + text.size());
+            if (read.end != text.data() + text.size() || !(read.value >= 0.001 && read.value <= 1e6))
+                throw usage_error("--rate: expected frames per second from 0.001 to 1000000, found " +
+                                  tactnet::in_quotes(text));
+            result.rate = read.value;
+        } else if (word == "--json") {
+            result.as = arguments::output::json;
+        } else if (word == "--picture") {
+            result.as = arguments::output::picture;
+        } else if (word == "--paced") {
+            result.paced = true;
+        } else if (word.size() > 1 && word.front() == '-') {
+            throw usage_error("unknown option " + tactnet::in_quotes(word));
+        } else if (result.weights.empty()) {
+            result.weights = word;
+        } else if (!sourced && (word == "own" || word == "recording")) {
+            result.from = word == "own" ? arguments::source::own : arguments::source::recording;
+            sourced = true;
+        } else {
+            throw usage_error("expected 'own' or 'recording' behind the weights, found " +
+                              tactnet::in_quotes(word));
+        }
+    }
+    if (result.weights.empty() && !result.help)
+        throw usage_error("expected a weight file");
+    if (result.paced && result.from != arguments::source::recording)
+        throw usage_error("--paced: expected a recording, which has times; see --rate");
+    return result;
+}
