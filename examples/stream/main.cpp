@@ -13,13 +13,13 @@
 #include <tactnet/io.hpp>
 #include <tactnet/sensors.hpp>
 
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <array>
 #include <optional>
 #include <poll.h>
 #include <printable.hpp>
