@@ -252,3 +252,37 @@ TEST_CASE("fit_largest_distance: keeps the share of false alarms") {
     CHECK_THROWS_AS((void)fit_largest_distance(std::vector<double>{std::nan("")}, 0.1),
                     std::invalid_argument);
 }
+
+TEST_CASE("class_means: what was saved is known after a restart, and nothing else is taken") {
+    using means = class_means<3, 4>;
+    means before, after;
+    REQUIRE(before.learn(0, {1, 2, 3}));
+    REQUIRE(before.learn(0, {2, 2, 3.5f}));
+    REQUIRE(before.learn(2, {-7, 0.1f, 1e30f}));
+    const auto state = before.save();
+    CHECK(after.restore(state) == restore_status::ok);
+    CHECK(after.save() == state);
+    CHECK(after.touches(0) == 2);
+    CHECK(after.touches(1) == 0);
+    CHECK(after.touches(2) == 1);
+    const auto found = after.nearest({1, 2, 3});
+    REQUIRE(found.has_value());
+    CHECK(found->index == 0);
+    CHECK(found->squared_distance == before.nearest({1, 2, 3})->squared_distance);
+    for (std::size_t byte = 0; byte < state.size(); ++byte) {
+        auto damaged = state;
+        damaged[byte] ^= std::byte{128};
+        CHECK(after.restore(damaged) != restore_status::ok);
+    }
+    CHECK(after.restore(class_means<4, 3>().save()) == restore_status::other_size);
+    CHECK(after.save() == state);
+
+    // A mean that is not finite, under a right checksum.
+    auto wrong = state;
+    std::fill_n(wrong.begin() + 16 + 4 * 4, 8, std::byte{0xFF});
+    const std::uint64_t sum = xxh64().update(std::span(wrong).first(wrong.size() - 8)).digest();
+    for (std::size_t i = 0; i < 8; ++i)
+        wrong[wrong.size() - 8 + i] = static_cast<std::byte>(sum >> 8 * i & 0xFF);
+    CHECK(after.restore(wrong) == restore_status::damaged);
+    CHECK(after.save() == state);
+}

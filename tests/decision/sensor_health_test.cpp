@@ -6,8 +6,10 @@
 #include <array>
 #include <cstdint>
 #include <random>
+#include <span>
 #include <support/allocations.hpp>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 using namespace tactnet;
@@ -288,4 +290,89 @@ TEST_CASE("sensor_health: calls do not allocate, for arrays of any size") {
     check(std::integral_constant<shape, shape{1, 1}>{});
     check(std::integral_constant<shape, shape{3, 200}>{});
     check(std::integral_constant<shape, shape{100, 100}>{});
+}
+
+TEST_CASE("sensor_health: what was saved goes on as if nothing had happened") {
+    health before;
+    std::mt19937 random(5);
+    const auto air = [&](bool broken) {
+        frame counts{};
+        for (std::size_t i = 0; i < counts.size(); ++i)
+            counts[i] = static_cast<std::uint8_t>(i % 7 + random() % 3);
+        if (broken)
+            for (std::size_t column = 0; column < 50; ++column)
+                counts[9 * 50 + column] = 255;
+        return counts;
+    };
+    for (int i = 0; i < 50; ++i)
+        before.learn(air(false));
+    for (int i = 0; i < 30; ++i)
+        (void)cleaned(before, air(true));
+    REQUIRE(before.faults().size() == 50);
+
+    const auto state = before.save();
+    static_assert(noexcept(before.save()));
+    health after;
+    const std::size_t allocated = support::allocations();
+    CHECK(after.restore(state) == restore_status::ok);
+    CHECK(support::allocations() == allocated);
+    CHECK(after.save() == state);
+    CHECK(after.frames() == before.frames());
+    CHECK(after.mean_baseline() == before.mean_baseline());
+    REQUIRE(after.faults().size() == 50);
+    CHECK(after.faults()[7].row == before.faults()[7].row);
+    CHECK(after.faults()[7].since == before.faults()[7].since);
+    CHECK(after.row_is_faulty(9));
+    for (int i = 0; i < 300; ++i) { // also those in which the row recovers
+        const frame next = air(i < 20);
+        CHECK(cleaned(after, next) == cleaned(before, next));
+        if (i % 3 == 0)
+            after.follow(next), before.follow(next);
+    }
+    CHECK(after.faults().empty());
+    CHECK(before.faults().empty());
+}
+
+TEST_CASE("sensor_health: a state that is damaged, cut or of another array changes nothing") {
+    health saved, other;
+    for (int i = 0; i < 20; ++i) {
+        frame air{};
+        air[3 * 50 + 4] = 255;
+        air[10 * 50 + 10] = 255;
+        saved.learn(air);
+        other.learn(frame{});
+    }
+    REQUIRE(saved.faults().size() == 2);
+    const auto state = saved.save(), kept = other.save();
+    CHECK(other.restore(std::span(state).first(state.size() - 1)) == restore_status::other_size);
+    CHECK(other.restore({}) == restore_status::other_size);
+    CHECK(other.restore(sensor_health<shape{27, 50}>().save()) == restore_status::other_size);
+    CHECK(other.restore(sensor_health<shape{50, 28}>().save()) == restore_status::other_state); // as large
+    for (std::size_t byte = 0; byte < state.size(); ++byte) {
+        auto damaged = state;
+        damaged[byte] ^= std::byte{4};
+        const restore_status found = other.restore(damaged);
+        CHECK(found == (byte < 16 ? restore_status::other_state : restore_status::damaged));
+    }
+    // Numbers that no state has, under a right checksum.
+    const auto summed = [](auto bytes) {
+        const std::uint64_t sum = xxh64().update(std::span(bytes).first(bytes.size() - 8)).digest();
+        for (std::size_t i = 0; i < 8; ++i)
+            bytes[bytes.size() - 8 + i] = static_cast<std::byte>(sum >> 8 * i & 0xFF);
+        return bytes;
+    };
+    CHECK(other.restore(summed(state)) == restore_status::ok);
+    CHECK(other.restore(kept) == restore_status::ok);
+    const std::size_t faults = 16 + 13 + 2 * array.size(); // overflowed, count, then 13 bytes for each
+    for (const auto& [place, value] : std::vector<std::pair<std::size_t, int>>{
+             {0, 2}, {1, 255}, {4, 1}, {5, 28}, {7, 50}, {9, 2}, {5 + 13, 3}}) {
+        auto wrong = state;
+        wrong[faults + place] = static_cast<std::byte>(value);
+        if (place == 5 + 13) // the same tactel twice
+            wrong[faults + place + 2] = std::byte{4};
+        CAPTURE(place);
+        CHECK(other.restore(summed(wrong)) == restore_status::damaged);
+    }
+    CHECK(other.save() == kept);
+    CHECK(describe(restore_status::damaged) == "expected the bytes that were saved, found damage");
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/decision/saved_state.hpp>
 #include <tactnet/detail/config.hpp>
 
 #include <algorithm>
@@ -25,7 +26,15 @@ struct discriminant {
     /// Features as deployed_view::read_features gives them.
     [[nodiscard]] point operator()(std::span<const float, Features> features) const noexcept {
         point sums = offset;
-        for (std::size_t f = 0; f < Features; ++f)
+        constexpr std::size_t block = 4;
+        std::size_t f = 0;
+        for (; f + block <= Features; f += block)
+            for (std::size_t d = 0; d < Dimensions; ++d) {
+                const float* const of = directions.data() + f * Dimensions + d;
+                sums[d] += (features[f] * of[0] + features[f + 1] * of[Dimensions]) +
+                           (features[f + 2] * of[2 * Dimensions] + features[f + 3] * of[3 * Dimensions]);
+            }
+        for (; f < Features; ++f)
             for (std::size_t d = 0; d < Dimensions; ++d)
                 sums[d] += features[f] * directions[f * Dimensions + d];
         return sums;
@@ -53,13 +62,16 @@ public:
             return false;
         const double count = static_cast<double>(++touches_[index]);
         for (std::size_t d = 0; d < Dimensions; ++d)
-            means_[index][d] += (static_cast<double>(touch[d]) - means_[index][d]) / count;
+            means_[d][index] += (static_cast<double>(touch[d]) - means_[d][index]) / count;
         return true;
     }
     /// Forgets all touches of a class.
     void forget(std::size_t index) noexcept {
-        if (index < MostClasses)
-            touches_[index] = 0, means_[index] = {};
+        if (index >= MostClasses)
+            return;
+        touches_[index] = 0;
+        for (auto& coordinates : means_)
+            coordinates[index] = 0;
     }
     /// How many touches of a class have been learnt.
     [[nodiscard]] std::size_t touches(std::size_t index) const noexcept {
@@ -72,27 +84,59 @@ public:
         std::optional<nearest_class> found;
         if (!is_finite(touch))
             return found;
-        for (std::size_t c = 0; c < MostClasses; ++c) {
-            if (touches_[c] == 0)
-                continue;
-            double sum = 0;
-            for (std::size_t d = 0; d < Dimensions; ++d) {
-                const double difference = static_cast<double>(touch[d]) - means_[c][d];
-                sum += difference * difference;
+        std::array<double, MostClasses> squared{};
+        for (std::size_t d = 0; d < Dimensions; ++d)
+            for (std::size_t c = 0; c < MostClasses; ++c) {
+                const double difference = static_cast<double>(touch[d]) - means_[d][c];
+                squared[c] += difference * difference;
             }
-            if (!found || sum < found->squared_distance)
-                found = nearest_class{c, sum};
-        }
+        for (std::size_t c = 0; c < MostClasses; ++c)
+            if (touches_[c] > 0 && (!found || squared[c] < found->squared_distance))
+                found = nearest_class{c, squared[c]};
         return found;
     }
 
+    /// The bytes of a saved state.
+    static constexpr std::size_t state_bytes =
+        detail::state_header_bytes + MostClasses * (4 + 8 * Dimensions) + detail::state_checksum_bytes;
+    /// Returns all classes, for after a restart.
+    [[nodiscard]] std::array<std::byte, state_bytes> save() const noexcept {
+        detail::state_writer<state_bytes> to(state_header);
+        for (const std::uint32_t touches : touches_)
+            to.put(touches);
+        for (const auto& coordinates : means_)
+            for (const double coordinate : coordinates)
+                to.put(coordinate);
+        return to.finish();
+    }
+    /// Takes what `save` returned, in place of what was learnt.
+    [[nodiscard]] restore_status restore(std::span<const std::byte> state) noexcept {
+        detail::state_reader from;
+        if (const restore_status opened = from.open(state, state_bytes, state_header);
+            opened != restore_status::ok)
+            return opened;
+        class_means found;
+        for (std::uint32_t& touches : found.touches_)
+            from.take(touches);
+        for (auto& coordinates : found.means_)
+            for (double& coordinate : coordinates) {
+                from.take(coordinate);
+                if (!(std::abs(coordinate) <= std::numeric_limits<float>::max()))
+                    return restore_status::damaged;
+            }
+        *this = found;
+        return restore_status::ok;
+    }
+
 private:
+    static constexpr detail::state_header state_header{.kind = {'m', 'e', 'a', 'n'},
+                                                       .sizes = {Dimensions, MostClasses}};
     static bool is_finite(const point& touch) noexcept {
         return std::all_of(touch.begin(), touch.end(),
                            [](float value) { return std::abs(value) <= std::numeric_limits<float>::max(); });
     }
 
-    std::array<std::array<double, Dimensions>, MostClasses> means_{};
+    std::array<std::array<double, MostClasses>, Dimensions> means_{}; ///< [dimension][class]
     std::array<std::uint32_t, MostClasses> touches_{};
 };
 

@@ -25,11 +25,13 @@ public:
     /// Returns how many are: 0 if a logit is not finite.
     std::size_t predict(std::span<const float> logits, std::span<bool> members) const noexcept {
         std::fill(members.begin(), members.end(), false);
-        const auto most = classify_logits(logits, members.size());
-        if (!most)
-            return 0;
+        logits = logits.first(members.size());
+        for (const float logit : logits)
+            if (!(std::abs(logit) <= std::numeric_limits<float>::max()))
+                return 0;
+        const std::size_t most = first_largest(logits);
         const auto logarithm = [&](std::size_t c) { // of its probability ÷ that of the most likely one
-            return (static_cast<double>(logits[c]) - static_cast<double>(logits[most->index])) /
+            return (static_cast<double>(logits[c]) - static_cast<double>(logits[most])) /
                    scaling_.temperature;
         };
         double sum = 0;
@@ -38,7 +40,7 @@ public:
         const double least = least_ > 0 ? std::log(least_ * sum) : -std::numeric_limits<double>::infinity();
         std::size_t count = 0;
         for (std::size_t c = 0; c < members.size(); ++c) {
-            members[c] = c == most->index || logarithm(c) >= least;
+            members[c] = c == most || logarithm(c) >= least;
             count += members[c];
         }
         return count;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <tactnet/decision/bordered_frame.hpp>
+#include <tactnet/decision/fault_list.hpp>
+#include <tactnet/decision/saved_state.hpp>
 #include <tactnet/decision/tactel_fault.hpp>
 #include <tactnet/kernels/frame/tactels.hpp>
 #include <tactnet/tensor/shape.hpp>
@@ -32,7 +34,7 @@ class sensor_health {
 public:
     using frame = std::span<const std::uint8_t, size>;
     /// Tactels that can be faulty at the same time; an array with more is worn out.
-    static constexpr std::size_t most_faults = size / 8;
+    static constexpr std::size_t most_faults = detail::fault_list<Array>::most;
 
     explicit sensor_health(const health_settings& settings = {}) noexcept : settings_(settings) {}
 
@@ -47,7 +49,7 @@ public:
             level_[i] = static_cast<std::uint16_t>(level + step);
         }
         for (std::size_t i = 0; i < size; ++i)
-            if (level_[i] >= stuck_level() && !is_faulty(i / Array.columns, i % Array.columns))
+            if (level_[i] >= stuck_level() && !faults_.contains(i / Array.columns, i % Array.columns))
                 add_fault(i / Array.columns, i % Array.columns, tactel_fault_kind::stuck);
         set_baseline();
     }
@@ -73,7 +75,7 @@ public:
     /// Returns a frame as it would be without offsets and faults. The result is valid until the next call.
     frame clean(frame raw) noexcept {
         subtract_baseline(raw);
-        if (fault_count_ > 0)
+        if (!faults().empty())
             replace_faulty();
         const bool any = find_signs();
         if (any || watching_)
@@ -88,9 +90,7 @@ public:
     }
 
     /// All faulty tactels, in the order in which they were found.
-    [[nodiscard]] std::span<const tactel_fault> faults() const noexcept {
-        return std::span(faults_).first(fault_count_);
-    }
+    [[nodiscard]] std::span<const tactel_fault> faults() const noexcept { return faults_.all(); }
     /// Whether at least `share` of the tactels of a row are faulty, as when its conductor is broken.
     [[nodiscard]] bool row_is_faulty(std::size_t row, double share = 0.5) const noexcept {
         const auto in_row = std::count_if(faults().begin(), faults().end(),
@@ -104,7 +104,7 @@ public:
         return static_cast<double>(in_column) >= share * static_cast<double>(Array.rows);
     }
     /// Whether more tactels are faulty than can be replaced.
-    [[nodiscard]] bool worn_out() const noexcept { return worn_out_; }
+    [[nodiscard]] bool worn_out() const noexcept { return faults_.overflowed(); }
     /// The mean baseline, in counts: the offset of the array.
     [[nodiscard]] double mean_baseline() const noexcept {
         std::uint64_t sum = 0;
@@ -115,7 +115,39 @@ public:
     /// How many frames `clean` has taken.
     [[nodiscard]] std::uint64_t frames() const noexcept { return frames_; }
 
+    /// The bytes of a saved state.
+    static constexpr std::size_t state_bytes = detail::state_header_bytes + 13 + 2 * size +
+                                               detail::fault_list<Array>::state_bytes +
+                                               detail::state_checksum_bytes;
+    /// Returns baseline, offset and faults, for after a restart; signs of the latest frames are left out.
+    [[nodiscard]] std::array<std::byte, state_bytes> save() const noexcept {
+        detail::state_writer<state_bytes> to(state_header);
+        to.put(learnt_), to.put(frames_), to.put(offset_);
+        for (const std::uint16_t level : level_)
+            to.put(level);
+        faults_.save(to);
+        return to.finish();
+    }
+    /// Takes what `save` returned, in place of what was learnt. Settings stay.
+    [[nodiscard]] restore_status restore(std::span<const std::byte> state) noexcept {
+        detail::state_reader from;
+        if (const restore_status opened = from.open(state, state_bytes, state_header);
+            opened != restore_status::ok)
+            return opened;
+        sensor_health found(settings_);
+        from.take(found.learnt_), from.take(found.frames_), from.take(found.offset_);
+        for (std::uint16_t& level : found.level_)
+            from.take(level);
+        if (!found.faults_.restore(from))
+            return restore_status::damaged;
+        found.set_baseline();
+        *this = found;
+        return restore_status::ok;
+    }
+
 private:
+    static constexpr detail::state_header state_header{.kind = {'h', 'l', 't', 'h'},
+                                                       .sizes = {Array.rows, Array.columns}};
     /// The baseline of a stuck tactel, in 1/256 count.
     [[nodiscard]] std::uint16_t stuck_level() const noexcept {
         return static_cast<std::uint16_t>(settings_.largest_baseline * 256);
@@ -127,20 +159,8 @@ private:
                 baseline_[row * grid::stride + column] =
                     static_cast<std::uint8_t>(level_[i] >= stuck_level() ? 0 : (level_[i] + 128) / 256);
     }
-    [[nodiscard]] bool is_faulty(std::size_t row, std::size_t column) const noexcept {
-        return faulty_[row * grid::stride + column] != 0;
-    }
-
     void add_fault(std::size_t row, std::size_t column, tactel_fault_kind kind) noexcept {
-        if (fault_count_ == most_faults) {
-            worn_out_ = true;
-            return;
-        }
-        faults_[fault_count_++] = {static_cast<std::uint16_t>(row), static_cast<std::uint16_t>(column), kind,
-                                   frames_};
-        faulty_[row * grid::stride + column] = 1;
-        sound_frames_[fault_count_ - 1] = 0;
-        plan_replacements();
+        faults_.add({static_cast<std::uint16_t>(row), static_cast<std::uint16_t>(column), kind, frames_});
     }
 
     /// Also follows an offset that all tactels have in common, by one count per frame: at most three quarters
@@ -196,7 +216,7 @@ private:
             const auto frames = static_cast<std::uint8_t>((against_[i] & ~dead_bit) + 1);
             against_[i] = static_cast<std::uint8_t>(std::min(frames, frames_to_fault()) | kind);
             watching_ = true;
-            if (frames >= frames_to_fault() && faulty_[i] == 0)
+            if (frames >= frames_to_fault() && !faults_.contains(row, column))
                 add_fault(row, column, kind != 0 ? tactel_fault_kind::dead : tactel_fault_kind::stuck);
         });
     }
@@ -204,59 +224,21 @@ private:
         return std::clamp<std::uint8_t>(settings_.frames_to_fault, 1, 127);
     }
 
-    /// Replaces the counts of faulty tactels by the mean of their sound neighbours, and uses those again that
-    /// have been sound for long.
     void replace_faulty() noexcept {
-        const fault_limits& limits = settings_.limits;
         const auto enough = std::max<std::uint8_t>(settings_.frames_to_recovery, 1);
-        bool recovered = false;
-        for (std::size_t f = 0; f < fault_count_; ++f) {
-            std::uint8_t& count = grid_.counts[replacements_[f].place()];
-            const std::uint8_t mean = replacements_[f].of(grid_);
-            const bool dead = faults_[f].kind == tactel_fault_kind::dead;
-            const bool works = dead ? count > sound_count : count < sound_count;
-            const bool fails = dead ? mean >= limits.pressed : count >= limits.spike && mean < count / 8;
-            if (works)
-                recovered = ++sound_frames_[f] >= enough || recovered;
-            else if (fails)
-                sound_frames_[f] = 0;
-            count = mean;
-        }
-        if (recovered)
-            remove_recovered(enough);
-    }
-    void remove_recovered(std::uint8_t enough) noexcept {
-        std::size_t kept = 0;
-        for (std::size_t f = 0; f < fault_count_; ++f) {
-            const tactel_fault fault = faults_[f];
-            if (sound_frames_[f] >= enough) {
-                faulty_[fault.row * grid::stride + fault.column] = 0;
-                against_[fault.row * grid::stride + fault.column] = 0;
-                if (fault.kind == tactel_fault_kind::stuck) { // what was learnt was not its count of air
-                    level_[fault.row * Array.columns + fault.column] = 0;
-                    baseline_[fault.row * grid::stride + fault.column] = 0;
-                }
-                continue;
+        faults_.replace(grid_, settings_.limits, enough, [this](const tactel_fault& fault) {
+            against_[fault.row * grid::stride + fault.column] = 0;
+            if (fault.kind == tactel_fault_kind::stuck) { // what was learnt was not its count of air
+                level_[fault.row * Array.columns + fault.column] = 0;
+                baseline_[fault.row * grid::stride + fault.column] = 0;
             }
-            sound_frames_[kept] = sound_frames_[f];
-            faults_[kept++] = fault;
-        }
-        fault_count_ = kept;
-        worn_out_ = false;
-        plan_replacements();
-    }
-
-    void plan_replacements() noexcept {
-        for (std::size_t f = 0; f < fault_count_; ++f)
-            replacements_[f] =
-                detail::neighbour_mean<Array>(faults_[f].row, faults_[f].column,
-                                              [&](std::size_t y, std::size_t x) { return is_faulty(y, x); });
+        });
     }
 
     /// Replaces counts that this frame alone shows to be wrong.
     void replace_signed() noexcept {
         const auto unsound = [&](std::size_t y, std::size_t x) {
-            return (signs_[y * grid::stride + x] | faulty_[y * grid::stride + x]) != 0;
+            return signs_[y * grid::stride + x] != 0 || faults_.contains(y, x);
         };
         // What is replaced is never read: the order does not matter.
         visit_tactels(signs_, [&](std::size_t i, std::size_t row, std::size_t column) {
@@ -265,22 +247,18 @@ private:
     }
 
     static constexpr std::uint8_t dead_bit = 0x80; ///< of `against_`, whose other bits count frames
-    /// A count that a stuck tactel is not below, and a dead one not above.
-    static constexpr std::uint8_t sound_count = 10;
+    static constexpr std::uint8_t sound_count = detail::fault_list<Array>::sound_count;
 
     health_settings settings_;
     std::uint32_t learnt_ = 0;
     std::uint64_t frames_ = 0;
-    std::size_t fault_count_ = 0;
-    bool worn_out_ = false, watching_ = false;
+    bool watching_ = false;
     std::array<std::uint16_t, size> level_{}; ///< the baseline in 1/256 count
     std::array<std::uint8_t, grid::span> baseline_{};
     grid grid_{};
-    std::array<std::uint8_t, grid::span> signs_{}, faulty_{}, against_{};
-    std::array<std::uint8_t, most_faults> sound_frames_{};
-    std::array<detail::neighbour_mean<Array>, most_faults> replacements_{};
+    std::array<std::uint8_t, grid::span> signs_{}, against_{};
     std::uint8_t offset_ = 0; ///< of all tactels
-    std::array<tactel_fault, most_faults> faults_{};
+    detail::fault_list<Array> faults_;
     alignas(64) std::array<std::uint8_t, size> clean_{};
 };
 

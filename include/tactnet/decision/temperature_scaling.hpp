@@ -34,8 +34,9 @@ struct temperature_scaling {
         }
         for (const float logit : logits.first(to.size()))
             sum += std::exp((static_cast<double>(logit) - largest) / temperature);
+        const double log_sum = std::log(sum);
         for (std::size_t c = 0; c < to.size(); ++c)
-            to[c] = (static_cast<double>(logits[c]) - largest) / temperature - std::log(sum);
+            to[c] = (static_cast<double>(logits[c]) - largest) / temperature - log_sum;
         return true;
     }
 };

@@ -11,7 +11,6 @@ if(NOT COMPILER)
     message("skipped: there is no arm-none-eabi-g++ (Debian: gcc-arm-none-eabi, libstdc++-arm-none-eabi-newlib)")
     return()
 endif()
-set(SOURCE "${CMAKE_CURRENT_LIST_DIR}/firmware.cpp")
 set(SCRIPT "${CMAKE_CURRENT_LIST_DIR}/firmware.ld")
 string(REGEX REPLACE "g\\+\\+([^/]*)$" "size\\1" SIZE "${COMPILER}")
 string(REGEX REPLACE "g\\+\\+([^/]*)$" "nm\\1" NM "${COMPILER}")
@@ -26,10 +25,10 @@ function(sections_of program result)
     set(${result} ${CMAKE_MATCH_1} ${CMAKE_MATCH_2} ${CMAKE_MATCH_3} PARENT_SCOPE)
 endfunction()
 
-# build_firmware(prefix PROCESSOR cortex-m7 LEVEL -Os FORM eight_bit): sets <prefix>_flash, <prefix>_static and
+# build_firmware(prefix SOURCE firmware PROCESSOR cortex-m7 LEVEL -Os FORM eight_bit [RAM 32768]): sets <prefix>_flash, <prefix>_static and
 # <prefix>_stack in bytes, and <prefix>_instructions of a frame. The last two are 0 without an emulator.
 function(build_firmware prefix)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "" "PROCESSOR;LEVEL;FORM" "")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "SOURCE;PROCESSOR;LEVEL;FORM;RAM" "")
     set(unit_cortex-m7 fpv5-sp-d16)
     set(unit_cortex-m4 fpv4-sp-d16)
     set(board_cortex-m7 mps2-an500)
@@ -38,8 +37,11 @@ function(build_firmware prefix)
         -std=c++20 ${arg_LEVEL} -mthumb -mcpu=${arg_PROCESSOR} -mfpu=${unit_${arg_PROCESSOR}} -mfloat-abi=hard
         -fno-exceptions -fno-rtti -ffunction-sections -fdata-sections -Wall -Wextra -Wpedantic -Wconversion -Wshadow
         -Werror "-DTEST_HEADER=\"${arg_FORM}.hpp\"" -DNDEBUG ${OPTIONS} "-I${HEADERS}" "-I${INCLUDE}"
-        -nostartfiles -Wl,--gc-sections "-T${SCRIPT}" "${SOURCE}"
+        -nostartfiles -Wl,--gc-sections "-T${SCRIPT}" "${CMAKE_CURRENT_LIST_DIR}/${arg_SOURCE}.cpp"
     )
+    if(arg_RAM)
+        list(APPEND options "-Wl,--defsym=ram_bytes=${arg_RAM}")
+    endif()
     if(arg_FORM STREQUAL "eight_bit")
         list(APPEND options -DTEST_SAME_BITS)
     endif()
@@ -152,7 +154,7 @@ foreach(processor IN ITEMS cortex-m7 cortex-m4)
     string(REGEX REPLACE "cortex-m" "Cortex-M" name ${processor})
     foreach(level IN ITEMS -Os -O2)
         foreach(form IN ITEMS single_precision eight_bit)
-            build_firmware(of PROCESSOR ${processor} LEVEL ${level} FORM ${form})
+            build_firmware(of SOURCE firmware PROCESSOR ${processor} LEVEL ${level} FORM ${form})
             math(EXPR ram "${of_static} + ${of_stack}")
             math(EXPR ${form}_thousands "(${of_instructions} + 500) / 1000")
             kilobytes(${of_flash} ${form}_flash)
@@ -171,6 +173,17 @@ foreach(processor IN ITEMS cortex-m7 cortex-m4)
                "| the same: thousands of instructions a frame | ${single_precision_thousands} | ${eight_bit_thousands} |\n"
         )
     endforeach()
+endforeach()
+# All that decides in the control loop without a network, for 28 × 50 tactels.
+foreach(level IN ITEMS -Os -O2)
+    build_firmware(of SOURCE decisions PROCESSOR cortex-m7 LEVEL ${level} FORM decisions_expected RAM 65536)
+    math(EXPR ram "${of_static} + ${of_stack}")
+    message("Cortex-M7 ${level} decisions: flash ${of_flash} bytes, static RAM ${of_static}, stack ${of_stack}, "
+            "instructions of a frame ${of_instructions}")
+    if(level STREQUAL "-Os" AND (of_flash GREATER 32000 OR ram GREATER 24000))
+        message(FATAL_ERROR "microcontroller: expected decisions in at most 32000 bytes of flash and 24000 of RAM, found "
+                            "${of_flash} and ${ram}.")
+    endif()
 endforeach()
 message("${table}")
 if(EMULATOR)

@@ -1,15 +1,20 @@
 // Writes TactNet-4 for 14 × 25 tactels as two headers, in single precision and in 8 bits. Its weights are
-// drawn: what a network takes of a microcontroller does not depend on what it has learnt.
+// drawn: what a network takes of a microcontroller does not depend on what it has learnt. A third header
+// holds what decisions come to on this machine.
+
+#include "decisions.hpp"
 
 #include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/quantisation.hpp>
+#include <tactnet/text/numbers.hpp>
 #include <tactnet/training/initialise.hpp>
 
 #include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <memory>
 #include <span>
 #include <string>
 #include <utility>
@@ -18,8 +23,8 @@
 int main(int count, char** arguments) {
     using network = tactnet::tactnet4<tactnet::shape{14, 25}, 22>;
     constexpr std::size_t pixels = network::input_shape.size(), images = 20;
-    if (count != 3) {
-        std::fprintf(stderr, "write_headers: expected two headers to write\n");
+    if (count != 4) {
+        std::fprintf(stderr, "write_headers: expected three headers to write\n");
         return 2;
     }
     try {
@@ -46,6 +51,12 @@ int main(int count, char** arguments) {
             arguments[2],
             tactnet::deployed_header(
                 tactnet::deploy<tactnet::eight_bit>(model, std::span(std::as_const(touches))), says, frame));
+        const decisions::outcome found = std::make_unique<decisions::life>()->play();
+        tactnet::write_file(arguments[3],
+                            "inline constexpr decisions::outcome expected{" + std::to_string(found.checksum) +
+                                "u, " + std::to_string(found.label) + ", " + std::to_string(found.members) +
+                                ", " + tactnet::shortest_number(found.probability) + ", " +
+                                tactnet::shortest_number(found.gain) + "};\n");
     } catch (const std::exception& error) {
         std::fprintf(stderr, "write_headers: %s\n", error.what());
         return 1;
