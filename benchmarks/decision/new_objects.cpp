@@ -118,10 +118,25 @@ struct sums {
     }
 };
 
+/// Shares of touches by the logarithm of their distance, for a picture.
+struct histogram {
+    static constexpr double lowest = 0, highest = 9, width = 0.5;
+    std::array<sums, static_cast<std::size_t>((highest - lowest) / width)> bins;
+
+    void add(double squared_distance) {
+        const double place = (std::log(squared_distance) - lowest) / width;
+        const auto bin =
+            static_cast<std::size_t>(std::clamp(place, 0.0, static_cast<double>(bins.size() - 1)));
+        for (std::size_t b = 0; b < bins.size(); ++b)
+            bins[b].add(b == bin ? 100 : 0);
+    }
+};
+
 void run(const std::string& folder, std::size_t draws, bool thorough) {
     const image_set images = load_images(list_image_folder(folder), array.rows, array.columns, decode_image);
     thread_pool threads(1);
     std::array<sums, scores.size()> areas, accepted;
+    histogram of_known_touches, of_unknown_touches;
     sums accuracy, by_means, alarms, unnoticed, blocked_new, blocked_old, random_new, learning;
     for (std::size_t draw = 0; draw < draws; ++draw) {
         std::mt19937 random(static_cast<std::uint32_t>(draw));
@@ -184,9 +199,13 @@ void run(const std::string& folder, std::size_t draws, bool thorough) {
             accuracy.add(100.0 * (classify_logits(known[i].logits, known_objects)->index == labels[i]));
             by_means.add(100.0 * (nearest->index == labels[i]));
             alarms.add(100.0 * (nearest->squared_distance > largest));
+            of_known_touches.add(nearest->squared_distance);
         }
-        for (const std::size_t i : unknown)
-            unnoticed.add(100.0 * (means.nearest((*map)(all[i].values))->squared_distance <= largest));
+        for (const std::size_t i : unknown) {
+            const double distance = means.nearest((*map)(all[i].values))->squared_distance;
+            unnoticed.add(100.0 * (distance <= largest));
+            of_unknown_touches.add(distance);
+        }
 
         // Each unknown object by itself: learnt from five touches in a row, of which the next ten are left
         // out, and tried on twenty; and the same with touches in any order.
@@ -240,6 +259,12 @@ void run(const std::string& folder, std::size_t draws, bool thorough) {
     std::printf("| of the new object, five touches in a row learnt | %.1f |\n", blocked_new.mean());
     std::printf("| of the new object, five touches in any order learnt | %.1f |\n", random_new.mean());
     std::printf("\nLearning five touches takes %.2f us.\n", learning.mean());
+    std::printf("\n| distance to the nearest mean, from | known touches, %% | unknown touches, %% "
+                "|\n|---|---|---|\n");
+    for (std::size_t b = 0; b < of_known_touches.bins.size(); ++b)
+        std::printf("| %.2f | %.1f | %.1f |\n",
+                    std::exp((histogram::lowest + static_cast<double>(b) * histogram::width) / 2),
+                    of_known_touches.bins[b].mean(), of_unknown_touches.bins[b].mean());
 }
 
 } // namespace

@@ -26,17 +26,17 @@ struct discriminant {
     /// Features as deployed_view::read_features gives them.
     [[nodiscard]] point operator()(std::span<const float, Features> features) const noexcept {
         point sums = offset;
-        constexpr std::size_t block = 4;
-        std::size_t f = 0;
-        for (; f + block <= Features; f += block)
+        // Four products at a time, which need not wait for one another.
+        constexpr std::size_t in_fours = Features / 4 * 4;
+        for (std::size_t f = 0; f < in_fours; f += 4)
             for (std::size_t d = 0; d < Dimensions; ++d) {
                 const float* const of = directions.data() + f * Dimensions + d;
                 sums[d] += (features[f] * of[0] + features[f + 1] * of[Dimensions]) +
                            (features[f + 2] * of[2 * Dimensions] + features[f + 3] * of[3 * Dimensions]);
             }
-        for (; f < Features; ++f)
+        for (std::size_t rest = 0; rest < Features % 4; ++rest)
             for (std::size_t d = 0; d < Dimensions; ++d)
-                sums[d] += features[f] * directions[f * Dimensions + d];
+                sums[d] += features[in_fours + rest] * directions[(in_fours + rest) * Dimensions + d];
         return sums;
     }
 };
