@@ -120,7 +120,7 @@ struct sums {
 
 /// Shares of touches by the logarithm of their distance, for a picture.
 struct histogram {
-    static constexpr double lowest = 0, highest = 9, width = 0.5;
+    static constexpr double lowest = 1, highest = 6, width = 0.25;
     std::array<sums, static_cast<std::size_t>((highest - lowest) / width)> bins;
 
     void add(double squared_distance) {
