@@ -19,11 +19,12 @@ extern "C" void reset() {
 #ifdef TEST_REPORT
     if (!agrees)
         leave(2);
-    tell_costs([] { return all.next_touch(); });
+    all.begin_touch();
+    tell_costs([] { return all.repeat(); });
     leave(0);
 #else
     for (;;)
-        if (!agrees || !all.next_touch())
+        if (!agrees || !all.repeat())
             return;
 #endif
 }

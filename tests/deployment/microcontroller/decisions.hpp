@@ -54,8 +54,10 @@ public:
 
     outcome play() noexcept {
         health_.forget();
-        for (std::size_t number = 0; number < frames; ++number)
-            next(number);
+        for (std::size_t number = 0; number < frames; ++number) {
+            make_frame(number, raw_);
+            number < 20 ? health_.learn(raw_) : take_frame();
+        }
         const auto found = evidence_.most_likely();
         std::array<bool, 22> members{};
         const std::size_t count = tactnet::prediction_set({0.7}, 0.05).predict(logits_of(area_), members);
@@ -66,19 +68,19 @@ public:
                 static_cast<std::uint32_t>(count + (nearest ? 100 * nearest->index : 5000)),
                 found ? found->probability : 0, gain_.gain()};
     }
-    /// One frame of a touch.
-    bool next_touch() noexcept {
-        next(45);
-        return detector_.now().area > 0;
+    /// The latest frame once more, and one of a touch.
+    bool repeat() noexcept {
+        take_frame();
+        return detector_.now().frames > 0;
+    }
+    void begin_touch() noexcept {
+        make_frame(45, raw_);
+        for (int i = 0; i < 5; ++i)
+            take_frame();
     }
 
 private:
-    void next(std::size_t number) noexcept {
-        make_frame(number, raw_);
-        if (number < 20) {
-            health_.learn(raw_);
-            return;
-        }
+    void take_frame() noexcept {
         const auto clean = health_.clean(raw_);
         const tactnet::contact_state& contact = detector_.update(clean);
         for (const std::uint8_t count : clean)
