@@ -115,7 +115,7 @@ TEST_CASE("sensor_health: a stuck row, column and single tactels are replaced at
 TEST_CASE("sensor_health: dead tactels are found under objects, and recover") {
     health sensor;
     frame dead = touch();
-    for (const std::size_t column : {22, 23, 24, 25, 26, 27})
+    for (const std::size_t column : {22U, 23U, 24U, 25U, 26U, 27U})
         dead[14 * 50 + column] = 0; // part of a row
     CHECK(largest_difference(cleaned(sensor, dead), touch()) <= 20);
     for (int i = 0; i < 20; ++i) {
@@ -370,7 +370,8 @@ TEST_CASE("sensor_health: a state that is damaged, cut or of another array chang
         wrong[faults + place] = static_cast<std::byte>(value);
         if (place == 5 + 13) // the same tactel twice
             wrong[faults + place + 2] = std::byte{4};
-        CAPTURE(place);
+        const std::size_t changed = place; // Clang 14 captures no structured binding
+        CAPTURE(changed);
         CHECK(other.restore(summed(wrong)) == restore_status::damaged);
     }
     CHECK(other.save() == kept);

@@ -214,8 +214,9 @@ TEST_SUITE("stream") {
                  {"net --fast", "unknown option '--fast'"},
                  {"net other", "expected 'own' or 'recording' behind the weights, found 'other'"},
                  {"net own own", "found 'own'"}}) {
-            const auto found = run_program(program + ' ' + given + " </dev/null");
-            CAPTURE(given);
+            const std::string command = program + ' ' + given + " </dev/null";
+            const auto found = run_program(command);
+            CAPTURE(command);
             CHECK(found.status == 2);
             CHECK_MESSAGE(found.error.find(sentence) != std::string::npos, found.error);
             CHECK(found.error.find("usage: tactnet_stream") != std::string::npos);

@@ -72,7 +72,7 @@ template <std::size_t Bytes>
 class state_writer {
 public:
     explicit state_writer(const state_header& header) noexcept {
-        visit_header(header, [this](auto number) { put(number); });
+        visit_header(header, [&](auto number) { this->put(number); });
     }
     template <class Number>
     void put(Number number) noexcept {
@@ -102,7 +102,7 @@ public:
             return restore_status::other_size;
         bytes_ = bytes;
         state_header found{};
-        visit_header(found, [this](auto& number) { take(number); });
+        visit_header(found, [&](auto& number) { this->take(number); });
         if (found != expected)
             return restore_status::other_state;
         std::uint64_t checksum = 0;
