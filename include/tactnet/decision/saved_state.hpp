@@ -41,7 +41,7 @@ enum class restore_status : std::uint8_t {
 
 namespace detail {
 
-/// Of a saved state: what kind, of which version of its layout, and its sizes.
+/// Identifies a saved state: its kind, the version of its layout and its sizes.
 struct state_header {
     std::array<char, 4> kind;
     std::uint32_t version = 1;

@@ -15,9 +15,9 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// How much observations of one object err together: 0 if they are independent, 1 if a further one says
 /// nothing new.
 struct touch_correlation {
-    double frames = 1; ///< of one grasp
-    /// Of one object. By the validation images of 20 blocked splits of the paper's images, on which errors of
-    /// neighbouring places agree.
+    double frames = 1; ///< frames of one grasp
+    /// Grasps of one object. Chosen by the validation images of 20 blocked splits of the paper's images, on
+    /// which errors of neighbouring places agree.
     double grasps = 0.35;
 };
 

@@ -35,7 +35,7 @@ static_assert(
     "tactnet: expected at least 4 KiB of L1 (TACTNET_L1_CACHE_KIB), and of L2 (TACTNET_L2_CACHE_KIB) as "
     "much as of L1");
 
-/// The part of the first level for an intermediate map, beside weights and outputs that pass through.
+/// The part of the first level for an intermediate map; weights and outputs stream through the rest.
 inline constexpr std::size_t l1_map_bytes = l1_cache_bytes / 4 * 3;
 /// Up to so many bytes, weights that are read again for each part of a map come quickly enough from the
 /// second level.

@@ -173,8 +173,8 @@ struct frame_method {
 
     static constexpr std::uint64_t product = 20; ///< the cost of a multiply-add of a vector
     static constexpr bool wide_vectors = lanes<float> >= 8;
-    /// The same in a register block of direct taps: with 16 wide registers, it has too few sums to hide the
-    /// latency and reaches about 60 % of the peak.
+    /// The cost of a multiply-add in a register block of direct taps: with 16 wide registers, it has too few
+    /// sums to hide the latency and reaches about 60 % of the peak.
     static constexpr std::uint64_t direct_product = wide_vectors && vector_registers < 32 ? 26 : product;
     /// The penalty of methods that read weights and maps again for each register block. They wait for memory
     /// once these exceed the near caches; the factor makes panels win wherever they apply.

@@ -27,7 +27,7 @@ public:
     /// 110 images, five times: the error of outputs with rounded weights is 0.1598, with full ranges 0.1612.
     /// Maps with outliers gain most.
     static constexpr std::array fractions{1.0, 0.95, 0.9, 0.85, 0.8, 0.7, 0.6, 0.5};
-    /// The second sweep searches each range again beside the ranges found by the first. Measured as above:
+    /// The second sweep searches each range again, given the ranges found by the first. Measured as above:
     /// none of the five networks changed in it, nor in a third.
     static constexpr int sweeps = 2;
 

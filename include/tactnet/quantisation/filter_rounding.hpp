@@ -97,7 +97,7 @@ public:
     }
 
     /// Rounds exact weights to whole multiples of `scale`. Each weight in turn takes the value that is best
-    /// beside all others, until none moves or `most_rounds` have passed: every move reduces the error of the
+    /// given all others, until none moves or `most_rounds` have passed: every move reduces the error of the
     /// sums.
     void round(std::size_t filter, std::span<const float> exact, float scale, std::span<float> weights) {
         const auto step = static_cast<double>(scale);

@@ -32,7 +32,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A purpose of random numbers, identified by its number. Each purpose has its own numbers, so that one more
 /// draw for one does not change another. Numbers below 2³¹ belong to the library, which declares its purposes
-/// beside the code that draws; name your own:
+/// next to the code that draws; name your own:
 ///
 ///     inline constexpr auto slip = tactnet::random_purpose::named("my_gripper/slip");
 template <class Kind>

@@ -79,7 +79,7 @@ template <class T>
     return kernels::choose<T>((x < least) && (zero - x < least), zero, x);
 }
 /// Clamps positive numbers whose root is a divisor to 2^-116, which decays without becoming denormal and
-/// whose root is negligible beside an epsilon of 1e-8. Zero stays zero.
+/// whose root is negligible compared with an epsilon of 1e-8. Zero stays zero.
 template <class T>
 [[nodiscard]] kernels::vector<T> without_denormal_divisors(const kernels::vector<T>& x) {
     const kernels::vector<T> zero(T{}), least(static_cast<T>(0x1p-116));

@@ -153,7 +153,7 @@ inline bool is_folder(const std::filesystem::directory_entry& entry) {
 
 } // namespace detail
 
-/// Lists the images in the subfolders of `root`. Hidden entries, files beside the subfolders and folders
+/// Lists the images in the subfolders of `root`. Hidden entries, files next to the subfolders and folders
 /// within them are ignored. `extensions` are in lower case with the dot; the case of the files does not
 /// matter. Links are followed. Throws file_error when there is no such folder, there are fewer than two
 /// subfolders, a subfolder has no images, its name is not UTF-8 or has control characters (weight files will

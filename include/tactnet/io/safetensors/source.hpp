@@ -23,7 +23,7 @@
 #include <vector>
 
 // A safetensors file that stays on the disk. Networks of hundreds of megabytes are read array by array, and
-// need no memory beside their own.
+// need no memory besides their own.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 

@@ -15,7 +15,7 @@
 // filters fill half of a vector or less, several neighbouring pixels share one. The rows under a kernel are
 // broadcast first, each number as often as a pixel has lanes. A vector from anywhere in such a row then holds
 // the inputs of neighbouring pixels under one tap, each repeated for its filters. Sums are bit-identical with
-// those of direct_method, apart from the sign of zero: padding beside the image is computed.
+// those of direct_method, apart from the sign of zero: padding to the left and right of the image is computed.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 

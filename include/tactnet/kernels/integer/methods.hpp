@@ -7,12 +7,12 @@
 #include <tactnet/kernels/method_list.hpp>
 
 // The methods for a convolution of one frame in integers (method_list.hpp). All give the same exact sums. The
-// unit of their costs is an instruction on a vector, and an element is a byte. Beside the members of every
-// method they have
+// unit of their costs is an instruction on a vector, and an element is a byte. In addition to the members
+// of every method they have
 //   offset               what is subtracted from an input of 8 bits before it is multiplied
 //   filter_places        elements of the arrays of the epilogue
 //   place(filter)        where the elements of a filter lie in them
-//   pack(weight, to)     into zeros; weight(filter, channel of its group, row, column) is a signed byte
+//   pack(weight, to)     `to` must be zero-initialised; weight(filter, channel of its group, row, column) is a signed byte
 //   run(packed, epilogue, input, output, workspace)
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {

@@ -50,7 +50,7 @@ public:
     }
 
 private:
-    /// The same words as philox() of runtime/random.hpp for consecutive counters. Plain loops, which
+    /// Computes the words of philox() of runtime/random.hpp for consecutive counters. Plain loops, which
     /// compilers vectorise: xsimd has no such products.
     void philox_blocks(std::uint32_t first, std::array<words, 4>& x) const {
         for (std::size_t i = 0; i < blocks; ++i) {

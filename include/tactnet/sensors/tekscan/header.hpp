@@ -188,8 +188,8 @@ private:
     static constexpr double smallest_measure = 1e-12;
 
     /// Converts a measure to base units. Without a unit it is in `plain` base units. An unknown unit, no
-    /// number or one beyond [least, most] leaves it empty, with a doubt; only an ambiguous number is an
-    /// error.
+    /// number or value, or one beyond [least, most] leaves it empty, with a doubt; only an ambiguous number
+    /// is an error.
     static understanding to_base(std::string_view value, std::span<const measure_unit> units,
                                  std::optional<double> plain, double most, std::optional<double>& to,
                                  double least = smallest_measure) {
@@ -200,7 +200,7 @@ private:
         const auto size = !found ? std::nullopt : found->unit.empty() ? plain : unit_size(units, found->unit);
         if (size && found->number * *size >= least && found->number * *size <= most)
             to = found->number * *size;
-        else if (!value.empty())
+        else
             return {true,
                     {},
                     detail::joined({"a measure from ", shortest_text(least), " to ", shortest_text(most),

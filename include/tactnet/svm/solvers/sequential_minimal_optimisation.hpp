@@ -75,7 +75,7 @@ public:
     }
 
 private:
-    /// For pairs of samples that the kernel cannot tell apart.
+    /// For pairs of samples that the kernel cannot distinguish.
     static constexpr double least_curvature = 1e-12;
 
     [[nodiscard]] std::size_t padded() const { return gradient_.size(); }
