@@ -15,8 +15,6 @@ class TactnetConan(ConanFile):
     name = "tactnet"
     description = "Recognises touched objects from the pressure images of tactile arrays"
     license = "MIT"
-    url = "https://tactnet.example"
-    homepage = url
     topics = ("tactile-sensing", "neural-networks", "header-only")
     package_type = "header-library"
     settings = "os", "arch", "compiler", "build_type"

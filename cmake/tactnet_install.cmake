@@ -47,7 +47,6 @@ includedir=${prefix}/@CMAKE_INSTALL_INCLUDEDIR@
 
 Name: @name@
 Description: @description@
-URL: @PROJECT_HOMEPAGE_URL@
 Version: @PROJECT_VERSION@
 Requires: @requires@
 Cflags: -I${includedir}@cflags@

@@ -11,21 +11,6 @@ if(NOT citation MATCHES "\nversion: ([^\n]*)\n" OR NOT CMAKE_MATCH_1 STREQUAL VE
     message(FATAL_ERROR "CITATION.cff: expected version ${VERSION}, found '${CMAKE_MATCH_1}'.")
 endif()
 
-# Where the project is to be found.
-file(READ "${FOLDER}/CMakeLists.txt" project)
-if(NOT project MATCHES "HOMEPAGE_URL \"([^\"]*)\"")
-    message(FATAL_ERROR "CMakeLists.txt: expected a HOMEPAGE_URL, found none.")
-endif()
-set(homepage "${CMAKE_MATCH_1}")
-file(READ "${FOLDER}/conanfile.py" recipe)
-foreach(pair IN ITEMS "port|packaging/vcpkg/tactnet/vcpkg.json" "citation|CITATION.cff" "recipe|conanfile.py")
-    string(REGEX MATCH "^(.*)\\|(.*)$" pair "${pair}")
-    string(FIND "${${CMAKE_MATCH_1}}" "${homepage}" position)
-    if(position EQUAL -1)
-        message(FATAL_ERROR "${CMAKE_MATCH_2}: expected the address ${homepage}, found none.")
-    endif()
-endforeach()
-
 file(READ "${FOLDER}/CHANGELOG.md" changelog)
 string(REPLACE "." "\\." pattern "\n## [[]${VERSION}[]]")
 if(NOT changelog MATCHES "${pattern}")
