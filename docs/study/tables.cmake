@@ -1,5 +1,6 @@
 # Puts the results of `tactnet study` into the documentation: its tables into docs/study, its picture into docs/pictures, its
-# tables between the comments of README.md and docs/results.md that name them. No figure is typed.
+# tables between the comments of docs/choosing.md and docs/results.md that name them. README.md quotes some figures: they are
+# compared.
 #
 #   cmake -DRESULTS=folder -DARCHIVE=file -P docs/study/tables.cmake   takes over a folder of results; all rows, trainings
 #                                   and timings go into the archive, such as benchmarks/results/zen5/2026-11-24/study.tar.xz
@@ -46,7 +47,7 @@ function(block_of file name result)
     set(${result} "${block}" PARENT_SCOPE)
 endfunction()
 
-foreach(place IN ITEMS README.md:front docs/results.md:methods docs/results.md:against docs/results.md:memory)
+foreach(place IN ITEMS docs/choosing.md:front docs/results.md:methods docs/results.md:against docs/results.md:memory)
     string(REPLACE ":" ";" place "${place}")
     list(GET place 0 page)
     list(GET place 1 name)
@@ -64,3 +65,32 @@ foreach(place IN ITEMS README.md:front docs/results.md:methods docs/results.md:a
     file(WRITE "${ROOT}/${page}" "${text}")
     message(STATUS "${page}: table '${name}'")
 endforeach()
+
+# README.md quotes the first and the last row of the front, and the microcontroller of docs/eight_bit.md.
+file(READ "${kept}/study.md" study)
+file(READ "${ROOT}/docs/eight_bit.md" eight_bit)
+file(READ "${ROOT}/README.md" readme)
+# Each of the quotes, in which `<n>` is the n-th group of the pattern, must be in README.md.
+function(expect_in_readme text pattern)
+    if(NOT text MATCHES "${pattern}")
+        message(FATAL_ERROR "tables.cmake: expected a row '${pattern}' for README.md, found none.")
+    endif()
+    foreach(quote IN LISTS ARGN)
+        foreach(group RANGE 1 ${CMAKE_MATCH_COUNT})
+            string(REPLACE "<${group}>" "${CMAKE_MATCH_${group}}" quote "${quote}")
+        endforeach()
+        string(FIND "${readme}" "${quote}" position)
+        if(position EQUAL -1)
+            message(FATAL_ERROR "tables.cmake: README.md: expected '${quote}', as the tables have it, found none.")
+        endif()
+    endforeach()
+endfunction()
+expect_in_readme(
+    "${study}" "\n[|] tactnet6, thorough recipe [|] 28 × 50 [|] ([0-9.]+) [|] ([0-9.]+) ± ([0-9.]+) [(]20[)] [|] ([0-9.]+) ± ([0-9.]+) "
+    "takes TactNet-6 <1> µs" "TactNet-6 recognises <2> %" "<2> ± <3> %" "<4> ± <5> %"
+)
+expect_in_readme("${study}" "\n[|] tactnet4 in 8 bits [|] 7 × 13 [|] ([0-9.]+) " "the smallest network <1> µs")
+expect_in_readme(
+    "${eight_bit}" "Cortex-M7, `-Os`: flash, kB [|] [0-9.]+ [|] ([0-9.]+) [|]\n[|][^|]*RAM[^|]*[|] [0-9.]+ [|] ([0-9.]+) [|]"
+    "<1> kB of flash and <2> kB of RAM on a Cortex-M7"
+)

@@ -1,10 +1,13 @@
-# Checks that what README, CONTRIBUTING and docs/ link to exists: files, folders, pictures, and the headings that
-# anchors name. Every page of docs/ must be linked from docs/README.md. Links to other hosts are not looked at.
+# Checks that what README, CONTRIBUTING, SECURITY, docs/ and examples/README link to exists: files, folders, pictures, and the
+# headings that anchors name. Every page of docs/ must be linked from docs/README.md. Links to other hosts are not looked at.
 #
 # cmake -DROOT=<folder that holds README.md and docs/> -P links.cmake
 cmake_minimum_required(VERSION 3.22)
 
-file(GLOB pages RELATIVE "${ROOT}" "${ROOT}/README.md" "${ROOT}/CONTRIBUTING.md" "${ROOT}/docs/*.md")
+file(
+    GLOB pages RELATIVE "${ROOT}" "${ROOT}/README.md" "${ROOT}/CONTRIBUTING.md" "${ROOT}/SECURITY.md" "${ROOT}/docs/*.md"
+    "${ROOT}/examples/README.md"
+)
 if(NOT pages)
     message(FATAL_ERROR "There are no pages in ${ROOT}.")
 endif()
@@ -74,7 +77,8 @@ foreach(page IN LISTS pages)
     set(number 0)
     foreach(line IN LISTS lines)
         math(EXPR number "${number} + 1")
-        string(REGEX MATCHALL "@\\([^) ]*" links "${line}")
+        string(REGEX REPLACE " (src|srcset|href)=\"" "@(" line "${line}") # of HTML, such as <picture>
+        string(REGEX MATCHALL "@\\([^) \"]*" links "${line}")
         foreach(link IN LISTS links)
             string(SUBSTRING "${link}" 2 -1 link)
             if(link MATCHES "^[a-z]+:")

@@ -3,7 +3,7 @@
 # holds a heap or exceptions, if a self-test fails, or if the table on the page is another one.
 #
 # cmake -DCOMPILER=arm-none-eabi-g++ -DEMULATOR=qemu-system-arm -DINCLUDE=<this library> -DHEADERS=<of write_headers>
-#       -DFOLDER=<to build in> -DPAGE=docs/deployment.md [-DWRITE=ON] -P check.cmake
+#       -DFOLDER=<to build in> -DPAGE=docs/eight_bit.md [-DWRITE=ON] -P check.cmake
 #
 # With WRITE the table takes the place of the one on the page. Without an emulator only flash and static RAM are checked.
 cmake_minimum_required(VERSION 3.22)
@@ -170,7 +170,7 @@ foreach(processor IN ITEMS cortex-m7 cortex-m4)
         string(APPEND table
                "| ${name}, `${level}`: flash, kB | ${single_precision_flash} | ${eight_bit_flash} |\n"
                "| the same: RAM with the stack, kB | ${single_precision_ram} | ${eight_bit_ram} |\n"
-               "| the same: thousands of instructions a frame | ${single_precision_thousands} | ${eight_bit_thousands} |\n"
+               "| the same: thousands of instructions per frame | ${single_precision_thousands} | ${eight_bit_thousands} |\n"
         )
     endforeach()
 endforeach()
