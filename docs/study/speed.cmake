@@ -1,0 +1,90 @@
+# Puts what benchmark_inference measured into the tables between the comments `<!-- speed NAME -->` and `<!-- speed NAME ends -->`
+# of docs/speed.md and docs/choosing.md. No figure is typed.
+#
+#   cmake -P docs/study/speed.cmake               writes the tables, from the newest results on each processor
+#   cmake -DCHECK=ON -P docs/study/speed.cmake    fails if they differ
+cmake_minimum_required(VERSION 3.22)
+if(NOT ROOT)
+    get_filename_component(ROOT "${CMAKE_CURRENT_LIST_DIR}/../.." ABSOLUTE)
+endif()
+set(zen4 "${ROOT}/benchmarks/results/zen4/2026-11-24/inference.csv")
+set(zen5 "${ROOT}/benchmarks/results/zen5/2026-11-24/inference.csv")
+
+# The column `column` of a network at batch 1, as in the file.
+function(value_of file network column result)
+    file(STRINGS "${file}" lines)
+    list(POP_FRONT lines header)
+    string(REPLACE "," ";" header "${header}")
+    list(FIND header "${column}" index)
+    foreach(line IN LISTS lines)
+        string(REPLACE "," ";" cells "${line}")
+        list(SUBLIST cells 0 2 which)
+        if(index GREATER_EQUAL 0 AND which STREQUAL "${network};1")
+            list(GET cells ${index} value)
+            set(${result} "${value}" PARENT_SCOPE)
+            return()
+        endif()
+    endforeach()
+    message(FATAL_ERROR "speed.cmake: ${file}: expected ${column} of ${network} at batch 1, found none.")
+endfunction()
+
+# All networks that were measured on both, the fastest first.
+set(networks "| batch 1 | Zen 4: tactnet, µs | oneDNN, µs | ONNX Runtime, µs | oneDNN ÷ tactnet | Zen 5: tactnet, µs | oneDNN ÷ tactnet |\n")
+string(APPEND networks "|---|---|---|---|---|---|---|\n")
+file(STRINGS "${zen4}" lines REGEX "^[a-z0-9]+/[0-9]+x[0-9]+,1,")
+foreach(line IN LISTS lines)
+    string(REGEX MATCH "^[^,]*" network "${line}")
+    string(REGEX REPLACE "^tactnet([0-9])/(.*)x(.*)" "TactNet-\\1 \\2 × \\3" name "${network}")
+    string(REGEX REPLACE "^tactresnet/(.*)x(.*)" "TactResNet \\1 × \\2" name "${name}")
+    string(APPEND networks "| ${name} |")
+    foreach(cell IN ITEMS zen4:tactnet_us zen4:onednn_us zen4:onnxruntime_us zen4:ratio zen5:tactnet_us zen5:ratio)
+        string(REPLACE ":" ";" cell "${cell}")
+        list(GET cell 0 processor)
+        list(GET cell 1 column)
+        value_of("${${processor}}" "${network}" "${column}" value)
+        string(APPEND networks " ${value} |")
+    endforeach()
+    string(APPEND networks "\n")
+endforeach()
+
+# One network beside each library.
+set(libraries "| TactNet-6 at 28 × 50 | µs per frame |\n|---|---|\n")
+foreach(
+    library IN
+    ITEMS "tactnet|tactnet_us" "oneDNN 2.6.3, primitives called directly|onednn_us"
+          "ONNX Runtime 1.30.0, all graph optimisations|onnxruntime_us" "OpenCV 4.6.0|opencv_dnn_us"
+          "PyTorch 1.13.0, its C++ functions|libtorch_us"
+)
+    string(REGEX MATCH "^(.*)[|](.*)$" library "${library}")
+    set(name "${CMAKE_MATCH_1}")
+    value_of("${zen4}" tactnet6/28x50 "${CMAKE_MATCH_2}" value)
+    string(APPEND libraries "| ${name} | ${value} |\n")
+endforeach()
+
+foreach(place IN ITEMS docs/speed.md:networks docs/choosing.md:libraries)
+    string(REPLACE ":" ";" place "${place}")
+    list(GET place 0 page)
+    list(GET place 1 name)
+    file(READ "${ROOT}/${page}" text)
+    set(begin "<!-- speed ${name} -->\n")
+    set(end "<!-- speed ${name} ends -->")
+    string(FIND "${text}" "${begin}" first)
+    string(FIND "${text}" "${end}" last)
+    if(first LESS 0 OR last LESS first)
+        message(FATAL_ERROR "speed.cmake: ${page}: expected '${begin}' and '${end}' after it, found only one of them, or none.")
+    endif()
+    string(LENGTH "${begin}" length)
+    math(EXPR first "${first} + ${length}")
+    math(EXPR length "${last} - ${first}")
+    string(SUBSTRING "${text}" ${first} ${length} old)
+    if(old STREQUAL ${name})
+        continue()
+    endif()
+    if(CHECK)
+        message(FATAL_ERROR "speed.cmake: ${page}: the table '${name}' differs from the results; run docs/study/speed.cmake.")
+    endif()
+    string(SUBSTRING "${text}" 0 ${first} before)
+    string(SUBSTRING "${text}" ${last} -1 after)
+    file(WRITE "${ROOT}/${page}" "${before}${${name}}${after}")
+    message(STATUS "${page}: table '${name}'")
+endforeach()
