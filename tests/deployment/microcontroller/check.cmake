@@ -149,7 +149,7 @@ function(kilobytes bytes result)
     set(${result} "${whole}.${rest}" PARENT_SCOPE)
 endfunction()
 
-set(table "| TactNet-4, 14 × 25 | single precision | 8 bits |\n|---|---|---|\n")
+set(table "| TactNet-4, 14 × 25 | | single precision | 8 bits |\n|---|---|---|---|\n")
 foreach(processor IN ITEMS cortex-m7 cortex-m4)
     string(REGEX REPLACE "cortex-m" "Cortex-M" name ${processor})
     foreach(level IN ITEMS -Os -O2)
@@ -168,9 +168,9 @@ foreach(processor IN ITEMS cortex-m7 cortex-m4)
                                 "${name}, found ${of_flash} and ${ram}.")
         endif()
         string(APPEND table
-               "| ${name}, `${level}`: flash, kB | ${single_precision_flash} | ${eight_bit_flash} |\n"
-               "| the same: RAM with the stack, kB | ${single_precision_ram} | ${eight_bit_ram} |\n"
-               "| the same: thousands of instructions per frame | ${single_precision_thousands} | ${eight_bit_thousands} |\n"
+               "| ${name}, `${level}` | flash, kB | ${single_precision_flash} | ${eight_bit_flash} |\n"
+               "| | RAM with the stack, kB | ${single_precision_ram} | ${eight_bit_ram} |\n"
+               "| | thousands of instructions per frame | ${single_precision_thousands} | ${eight_bit_thousands} |\n"
         )
     endforeach()
 endforeach()
