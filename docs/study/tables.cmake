@@ -87,7 +87,7 @@ function(expect_in_readme text pattern)
 endfunction()
 expect_in_readme(
     "${study}" "\n[|] tactnet6, thorough recipe [|] 28 × 50 [|] ([0-9.]+) [|] ([0-9.]+) ± ([0-9.]+) [(]20[)] [|] ([0-9.]+) ± ([0-9.]+) "
-    "takes TactNet-6 <1> µs" "TactNet-6 recognises <2> %" "<2> ± <3> %" "<4> ± <5> %"
+    "TactNet-6 takes <1> µs per frame" "TactNet-6 recognises <2> %" "<2> ± <3> %" "<4> ± <5> %"
 )
 expect_in_readme("${study}" "\n[|] tactnet4 in 8 bits [|] 7 × 13 [|] ([0-9.]+) " "the smallest network <1> µs")
 expect_in_readme(
