@@ -1,12 +1,12 @@
 # Checks that what README, CONTRIBUTING, SECURITY, docs/ and examples/README link to exists: files, folders, pictures, and the
-# headings that anchors name. Every page of docs/ must be linked from docs/README.md. Links to other hosts are not looked at.
+# headings that anchors name. Every page of docs/ itself must be linked from docs/README.md. Links to other hosts are not looked at.
 #
 # cmake -DROOT=<folder that holds README.md and docs/> -P links.cmake
 cmake_minimum_required(VERSION 3.22)
 
 file(
     GLOB pages RELATIVE "${ROOT}" "${ROOT}/README.md" "${ROOT}/CONTRIBUTING.md" "${ROOT}/SECURITY.md" "${ROOT}/docs/*.md"
-    "${ROOT}/examples/README.md"
+    "${ROOT}/docs/numerics/*.md" "${ROOT}/examples/README.md"
 )
 if(NOT pages)
     message(FATAL_ERROR "There are no pages in ${ROOT}.")
