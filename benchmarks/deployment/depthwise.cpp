@@ -33,7 +33,7 @@ template <shape Input, extent2d Kernel, extent2d Stride>
 inline constexpr frame_convolution depthwise{.window =
                                                  sliding_window::over(Input, Kernel, Stride, padding::same),
                                              .filters = Input.channels,
-                                             .input_stride = whole_lines(Input.channels),
+                                             .input_stride = pad_to_cache_line(Input.channels),
                                              .rectified = true,
                                              .groups = Input.channels};
 

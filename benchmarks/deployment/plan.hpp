@@ -219,7 +219,7 @@ template <class Network>
 
     tactnet::aligned_vector<float> packed(view::packed_elements), in(input::map),
         memory(steps::workspace_elements),
-        out(tactnet::whole_lines<float>(steps::output.area() * steps::output_stride));
+        out(tactnet::pad_to_cache_line<float>(steps::output.area() * steps::output_stride));
     view::pack(deployed.folded().data(), packed.data());
     const bool finite = input::read(packed.data(), frame.data(), in.data());
     const auto walk = [&](auto&& visit) {

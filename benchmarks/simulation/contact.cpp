@@ -2,7 +2,7 @@
 // the layer under a ball and under a tilted box, the pad, and the convolution that the layer is found with.
 // All in turns, the fastest and the median of many rounds. Run it pinned to an idle core.
 
-#include <tactnet/kernels/map/even_convolution.hpp>
+#include <tactnet/kernels/map/symmetric_convolution.hpp>
 #include <tactnet/simulation/contact/bonded_layer.hpp>
 #include <tactnet/simulation/contact/elastic_half_space.hpp>
 #include <tactnet/simulation/contact/winkler.hpp>
@@ -92,7 +92,7 @@ entry pad_entry(std::string name, double thickness, const map& pressures) {
 }
 
 entry convolution_entry() {
-    using convolution = tactnet::kernels::even_convolution<size>;
+    using convolution = tactnet::kernels::symmetric_convolution<size>;
     struct transform {
         convolution convolve;
         convolution::spectrum spectrum;

@@ -3,7 +3,7 @@
 #include <vector>
 
 #ifdef CASE_try_view_of_temporary
-// expect: lasting_range
+// expect: borrowed_range
 // at-most: 1
 void run() {
     static_cast<void>(tactnet::try_view<tactnet::shape{2, 3}>(std::vector<float>(6)));

@@ -264,7 +264,7 @@ TEST_CASE("sensor_health: an array with too many faults is worn out, and still g
     for (int i = 0; i < 100; ++i)
         (void)sensor.clean(broken);
     CHECK(sensor.worn_out());
-    CHECK(sensor.faults().size() == health::most_faults);
+    CHECK(sensor.faults().size() == health::max_faults);
     // Spikes are replaced all the same, but for one beside those that the list has no room for.
     const frame found = cleaned(sensor, broken);
     CHECK(std::count(found.begin(), found.end(), 0) >= 1399);

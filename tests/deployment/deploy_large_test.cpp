@@ -60,7 +60,7 @@ TEST_CASE_TEMPLATE("deployed: maps too large for a stack lie on the heap, one by
     support::fill(trained, 53);
     const auto fast = deploy(trained);
     using fast_net = deployed<net>;
-    static_assert(fast_net::workspace_bytes > fast_net::view_type::most_on_stack);
+    static_assert(fast_net::workspace_bytes > fast_net::view_type::max_stack_bytes);
     const std::vector<std::uint8_t> counts = support::make_frame(frames * net::input_shape.size(), 54);
     const auto memory = std::make_unique<typename fast_net::workspace>();
     std::vector<float> together(frames * net::outputs), alone(net::outputs);

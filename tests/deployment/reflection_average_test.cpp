@@ -45,21 +45,24 @@ void check_average() {
     for (std::size_t e = 0; e < size.size(); ++e)
         frame[e] = static_cast<Count>(counts[e]);
 
-    std::array<logits, 4> of_each;
+    std::array<logits, 4> outputs_per_reflection;
     logits found, again;
     REQUIRE(both_ways.infer(tensor_view<const Count, size>(frame.data()), found, *memory) ==
             frame_status::ok);
     for (std::size_t i = 0; i < 4; ++i) {
         reflect_image(size, all_reflections[i], frame.data(), turned.data());
-        REQUIRE(network.infer(tensor_view<const Count, size>(turned.data()), of_each[i]) == frame_status::ok);
+        REQUIRE(network.infer(tensor_view<const Count, size>(turned.data()), outputs_per_reflection[i]) ==
+                frame_status::ok);
         // What comes the other way round is the same touch, to the bit.
         REQUIRE(both_ways.infer(tensor_view<const Count, size>(turned.data()), again, *memory) ==
                 frame_status::ok);
         CHECK(again == found);
     }
-    CHECK(of_each[0] != of_each[1]);
+    CHECK(outputs_per_reflection[0] != outputs_per_reflection[1]);
     for (std::size_t o = 0; o < net::outputs; ++o)
-        CHECK(found[o] == (of_each[0][o] + of_each[1][o] + (of_each[2][o] + of_each[3][o])) / 4);
+        CHECK(found[o] == (outputs_per_reflection[0][o] + outputs_per_reflection[1][o] +
+                           (outputs_per_reflection[2][o] + outputs_per_reflection[3][o])) /
+                              4);
 }
 
 } // namespace

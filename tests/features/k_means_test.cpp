@@ -109,7 +109,7 @@ TEST_CASE("k_means_from: every iteration against plain loops in double") {
     const std::span<const float> start = std::span(points).first(7 * values);
     for (const std::size_t iterations : {0u, 1u, 2u, 5u, 30u}) {
         const k_means_result found =
-            k_means_from<values>(points, start, {.most_iterations = iterations, .least_gain = -1}, one);
+            k_means_from<values>(points, start, {.max_iterations = iterations, .least_gain = -1}, one);
         CHECK(found.iterations == iterations);
         CHECK(!found.converged);
         check_consistent(points, found);
@@ -128,12 +128,12 @@ TEST_CASE("k_means: the objective never rises, and the end is reported") {
     double last = std::numeric_limits<double>::infinity();
     for (std::size_t iterations = 0; iterations < 20; ++iterations) {
         const k_means_result found =
-            k_means_from<values>(points, seeds, {.most_iterations = iterations, .least_gain = -1}, one);
+            k_means_from<values>(points, seeds, {.max_iterations = iterations, .least_gain = -1}, one);
         CHECK(found.objective <= last * (1 + roundings));
         last = found.objective;
     }
     const k_means_result whole =
-        k_means<values>(points, {.centres = 40, .most_iterations = 1000, .least_gain = 0}, one);
+        k_means<values>(points, {.centres = 40, .max_iterations = 1000, .least_gain = 0}, one);
     CHECK(whole.converged);
     CHECK(whole.iterations < 1000);
     CHECK(whole.objective <= last);
@@ -143,7 +143,7 @@ TEST_CASE("k_means: the objective never rises, and the end is reported") {
 TEST_CASE("k_means: the same bits on any number of threads") {
     thread_pool one(1), three(3), five(5);
     const auto points = random_points(5000, values, 3);
-    const k_means_settings settings{.centres = 60, .most_iterations = 12};
+    const k_means_settings settings{.centres = 60, .max_iterations = 12};
     const k_means_result expected = k_means<values>(points, settings, one);
     for (thread_pool* threads : {&three, &five}) {
         const k_means_result found = k_means<values>(points, settings, *threads);
@@ -205,9 +205,9 @@ TEST_CASE("k_means_from: centres without points take those farthest from their o
     std::vector<float> start;
     for (int copy = 0; copy < 4; ++copy)
         start.insert(start.end(), points.begin(), points.begin() + values);
-    const k_means_result before = k_means_from<values>(points, start, {.most_iterations = 0}, one);
+    const k_means_result before = k_means_from<values>(points, start, {.max_iterations = 0}, one);
     const k_means_result after =
-        k_means_from<values>(points, start, {.most_iterations = 1, .least_gain = -1}, one);
+        k_means_from<values>(points, start, {.max_iterations = 1, .least_gain = -1}, one);
     CHECK(after.objective < before.objective);
     CHECK(rows_of(after.centres, values).size() == 4);
     std::vector<double> distances(50);

@@ -44,7 +44,7 @@ TEST_CASE("surf_histogram: words of some images, histograms of all, one by one a
     const std::vector<std::uint8_t> images = some_images<std::uint8_t>(12);
     const auto chosen = first_ones(10);
     thread_pool one(1), three(3);
-    const surf_settings settings{.most_descriptors = 600};
+    const surf_settings settings{.max_descriptors = 600};
     const auto bag = fit_surf_words<counts_surf, words>(images, chosen, settings, one);
     CHECK(bag.count() == words);
     CHECK(bag.form() == settings.form);
@@ -97,11 +97,11 @@ TEST_CASE("fit_surf_words: the seed, the descriptors and the iterations matter")
         const auto bag = fit_surf_words<counts_surf, words>(images, first_ones(8), settings, one);
         return std::vector<float>(bag.words().begin(), bag.words().end());
     };
-    const auto expected = words_with({.most_descriptors = 300});
-    CHECK(words_with({.most_descriptors = 300}) == expected);
-    CHECK(words_with({.most_descriptors = 400}) != expected);
-    CHECK(words_with({.most_descriptors = 300, .seed = 2}) != expected);
-    CHECK(words_with({.most_descriptors = 300, .most_iterations = 1}) != expected);
+    const auto expected = words_with({.max_descriptors = 300});
+    CHECK(words_with({.max_descriptors = 300}) == expected);
+    CHECK(words_with({.max_descriptors = 400}) != expected);
+    CHECK(words_with({.max_descriptors = 300, .seed = 2}) != expected);
+    CHECK(words_with({.max_descriptors = 300, .max_iterations = 1}) != expected);
 }
 
 TEST_CASE("fit_surf_words: rejected arguments and their messages") {

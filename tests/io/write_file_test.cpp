@@ -76,7 +76,7 @@ TEST_CASE("write_file: what gives the pieces may fail half-way: the old file sta
     write_file(folder / "file", std::string_view("old"));
     const std::vector<std::byte> piece(100'000);
     CHECK_THROWS_AS(write_file(folder / "file",
-                               [&](tactnet::piece_taker take) {
+                               [&](tactnet::chunk_sink take) {
                                    take(piece);
                                    throw std::runtime_error("no more");
                                }),
@@ -88,7 +88,7 @@ TEST_CASE("write_file: what gives the pieces may fail half-way: the old file sta
 TEST_CASE("write_file: a place that became a folder meanwhile is an error, and no other file stays") {
     const support::temporary_folder folder;
     CHECK_THROWS_AS(write_file(folder / "file",
-                               [&](tactnet::piece_taker take) {
+                               [&](tactnet::chunk_sink take) {
                                    take(std::vector<std::byte>(10));
                                    std::filesystem::create_directories(folder / "file" / "within");
                                }),

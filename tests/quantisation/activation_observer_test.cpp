@@ -82,7 +82,7 @@ TEST_CASE(
 }
 
 TEST_CASE("activation_observer: of many images some in even distances are observed") {
-    constexpr std::size_t most = detail::activation_observer::most_observed;
+    constexpr std::size_t most = detail::activation_observer::max_observed;
     std::vector<float> many;
     for (std::size_t i = 0; i < 3 * most; ++i) { // of three, the first is taken
         const auto x = static_cast<float>(i / 3);

@@ -205,7 +205,7 @@ TEST_CASE("eight_bit_calibration: of many images some at even distances are used
     small n;
     support::fill(n, 5);
     const std::array<float, 6> zero{};
-    constexpr std::size_t most = eight_bit_calibration<small>::most_images;
+    constexpr std::size_t most = eight_bit_calibration<small>::max_images;
     const std::vector<float> few = support::frames_for<small>(most, 3);
     std::vector<float> many;
     for (std::size_t i = 0; i < 3 * most; ++i) // of three, the first is taken

@@ -47,7 +47,7 @@ std::vector<std::vector<double>> bicubic(std::size_t from, std::size_t to) {
     return all;
 }
 
-std::size_t most_taps(const std::vector<std::vector<double>>& axis) {
+std::size_t max_taps(const std::vector<std::vector<double>>& axis) {
     std::size_t most = 0;
     for (const auto& weights : axis)
         most = std::max(most, static_cast<std::size_t>(std::count_if(weights.begin(), weights.end(),
@@ -79,7 +79,7 @@ public:
     }
     [[nodiscard]] support::samples forward(const support::reference_call& call,
                                            const support::samples& in) const override {
-        const double sums = static_cast<double>(most_taps(down_) + most_taps(along_));
+        const double sums = static_cast<double>(max_taps(down_) + max_taps(along_));
         support::samples out(in.size(), support::sample(output.size()));
         for (std::size_t s = 0; s < in.size(); ++s) {
             support::sample grey(output.area());
@@ -160,9 +160,9 @@ TEST_CASE("as_photograph: deployed within the derived bound") {
 TEST_CASE("as_photograph: memory in whole cache lines, so that the next frame's is aligned") {
     using step = as_photograph_step<single_precision, extent2d(28, 50), 1, extent2d(227, 227)>;
     using joining = as_photograph_step<single_precision, extent2d(28, 50), 16, extent2d(227, 227)>;
-    static_assert(step::workspace_elements == whole_lines(step::workspace_elements) &&
-                  step::packed_elements == whole_lines(step::packed_elements));
-    static_assert(joining::workspace_elements == whole_lines(joining::workspace_elements) &&
+    static_assert(step::workspace_elements == pad_to_cache_line(step::workspace_elements) &&
+                  step::packed_elements == pad_to_cache_line(step::packed_elements));
+    static_assert(joining::workspace_elements == pad_to_cache_line(joining::workspace_elements) &&
                   joining::workspace_elements > step::workspace_elements);
 }
 

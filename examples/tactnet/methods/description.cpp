@@ -105,8 +105,8 @@ std::string pretrained_fingerprint(const std::string& path) {
 
 tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
     const auto& [name, epochs, batch, rate, pretrained_rate, optimiser, schedule, initialisation, input,
-                 augmentation, ranges, varies_as_taken, label_smoothing, sharpness_radius, averaging, epsilon,
-                 remeasure_statistics, validate_every, patience, keeps_last] = recipe;
+                 augmentation, ranges, augment_full_resolution, label_smoothing, sharpness_radius, averaging,
+                 epsilon, remeasure_statistics, validate_every, patience, keeps_last] = recipe;
     tactnet::file_metadata all{
         {"recipe", text(name)},
         {"epochs", text(epochs)},
@@ -125,7 +125,7 @@ tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
         {"validate_every", text(validate_every)},
         {"patience", text(patience)},
     };
-    static_cast<void>(varies_as_taken); // of images that were taken larger: see describe_training
+    static_cast<void>(augment_full_resolution); // of images that were taken larger: see describe_training
     // Left out where they are the default, so that the committed results of the study are found.
     if (pretrained_rate != 1)
         all["pretrained_rate"] = text(pretrained_rate);
@@ -182,8 +182,8 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
     if (!s.pretrained.empty())
         all["pretrained"] = pretrained_fingerprint(s.pretrained);
     const tactnet::recipe recipe = recipe_for(what, s);
-    if (recipe.varies_as_taken && recipe.augmentation != tactnet::augmentation_rule::none &&
-        what.varies_as_taken(data.taken.size))
+    if (recipe.augment_full_resolution && recipe.augmentation != tactnet::augmentation_rule::none &&
+        what.augment_full_resolution(data.taken.size))
         all["varied"] =
             fmt::format("{}x{} {}", data.taken.size.rows, data.taken.size.columns, data.taken.fingerprint);
     all.merge(describe_method(what, recipe));

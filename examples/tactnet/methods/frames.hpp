@@ -17,8 +17,8 @@ inline std::vector<std::uint8_t> made_up_frames(std::size_t pixels) {
 /// can exceed the memory.
 template <class Body>
 void in_parts(std::size_t images, std::size_t bytes, const Body& body) {
-    constexpr std::size_t most_bytes = std::size_t{1} << 26U;
-    const std::size_t most = std::max<std::size_t>(1, most_bytes / bytes);
+    constexpr std::size_t max_bytes = std::size_t{1} << 26U;
+    const std::size_t most = std::max<std::size_t>(1, max_bytes / bytes);
     for (std::size_t first = 0; first < images; first += most)
         body(first, std::min(most, images - first));
 }

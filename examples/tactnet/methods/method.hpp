@@ -163,7 +163,7 @@ public:
     /// Of all its parameters those that a training changes.
     virtual std::size_t learnable(std::size_t classes) const { return costs(classes).parameters; }
     /// Whether its training varies images of that size as they were taken.
-    virtual bool varies_as_taken(const tactnet::shape&) const { return false; }
+    virtual bool augment_full_resolution(const tactnet::shape&) const { return false; }
     /// Whether its form in 8 bits was compiled in, or can be.
     virtual bool has_eight_bit_form() const { return false; }
     virtual bool may_have_eight_bit_form() const { return false; }

@@ -34,7 +34,7 @@ class sensor_health {
 public:
     using frame = std::span<const std::uint8_t, size>;
     /// Tactels that can be faulty at the same time; an array with more is worn out.
-    static constexpr std::size_t most_faults = detail::fault_list<Array>::most;
+    static constexpr std::size_t max_faults = detail::fault_list<Array>::most;
 
     explicit sensor_health(const health_settings& settings = {}) noexcept : settings_(settings) {}
 

@@ -61,17 +61,17 @@ struct batch_inference {
     /// Frames at a time through a large network, if there are not more threads. Weights are read once for all
     /// of them, but their maps evict each other from the caches. Hence the weights divided by the workspace
     /// of a frame, from 1 to 16.
-    static constexpr std::size_t most_on_all_threads =
+    static constexpr std::size_t max_on_all_threads =
         std::clamp<std::size_t>(detail::ceil_div(View::weight_bytes, View::workspace_bytes), 1, 16);
     /// Bytes of stack for a smaller network. Threads have a quarter of a megabyte on most systems, and that
     /// stays in the second level of cache. More pays only if the weights outgrow that level.
-    static constexpr std::size_t most_memory =
-        View::weight_bytes > kernels::l2_cache_bytes ? View::most_on_stack : std::size_t{256} * 1024;
+    static constexpr std::size_t max_memory =
+        View::weight_bytes > kernels::l2_cache_bytes ? View::max_stack_bytes : std::size_t{256} * 1024;
     /// Frames at a time through a smaller network on each thread, layer by layer: weights then come from a
     /// nearer cache, or are read once for all frames.
     static constexpr std::size_t on_one_thread =
-        std::clamp<std::size_t>(most_memory / (View::workspace_elements * sizeof(activation)), 1, 4);
-    static constexpr bool on_stack = View::workspace_bytes <= View::most_on_stack;
+        std::clamp<std::size_t>(max_memory / (View::workspace_elements * sizeof(activation)), 1, 4);
+    static constexpr bool on_stack = View::workspace_bytes <= View::max_stack_bytes;
 
     /// `status` is null, or has one element per frame; those of broken frames become not_finite. Throws
     /// std::invalid_argument unless there is a row of outputs for each frame.
@@ -89,7 +89,7 @@ struct batch_inference {
         };
         std::atomic<bool> in_range = true;
         if constexpr (View::large) {
-            const std::size_t group = std::max(most_on_all_threads, pool.threads());
+            const std::size_t group = std::max(max_on_all_threads, pool.threads());
             for (std::size_t first = 0; first < count; first += group) {
                 const batch_executor<thread_pool> executor{pool, std::min(group, count - first)};
                 if (infer(first, memory.hold<activation>(executor.copies() * View::workspace_elements),

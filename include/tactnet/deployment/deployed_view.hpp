@@ -34,12 +34,13 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 template <shape Input>
 struct input_stage<single_precision, Input> {
     static constexpr std::size_t folded_elements = Input.size() + 2;
-    static constexpr std::size_t packed_elements = whole_lines(Input.size()) + whole_lines(2);
-    static constexpr std::size_t map = whole_lines(Input.size()); ///< elements of the first step's input
+    static constexpr std::size_t packed_elements = pad_to_cache_line(Input.size()) + pad_to_cache_line(2);
+    static constexpr std::size_t map =
+        pad_to_cache_line(Input.size()); ///< elements of the first step's input
 
     static constexpr void pack(const float* from, float* to) {
         std::copy_n(from, Input.size(), to);
-        std::copy_n(from + Input.size(), 2, to + whole_lines(Input.size()));
+        std::copy_n(from + Input.size(), 2, to + pad_to_cache_line(Input.size()));
     }
     /// Whether all of the frame is finite and small enough. Pools and ReLUs would hide a NaN or an infinity
     /// from the outputs. Counts of 8 bits never exceed the limit.
@@ -68,7 +69,8 @@ struct input_stage<single_precision, Input> {
 /// [channel][row][column].
 template <shape Output, std::size_t Stride>
 struct output_stage<single_precision, Output, Stride> {
-    static constexpr std::size_t map = whole_lines(Output.area() * Stride); ///< elements of the last map
+    static constexpr std::size_t map =
+        pad_to_cache_line(Output.area() * Stride); ///< elements of the last map
     /// Whether all outputs are finite.
     static bool write(const float* out, std::span<float, Output.size()> to) noexcept {
         std::uint32_t out_of_range = 0;
@@ -126,7 +128,7 @@ public:
     };
     static constexpr std::size_t workspace_bytes = sizeof(workspace);
     /// A call allocates no larger workspace on the stack: pass one from the heap.
-    static constexpr std::size_t most_on_stack = std::size_t{1} << 20;
+    static constexpr std::size_t max_stack_bytes = std::size_t{1} << 20;
     /// Whether to prefer layer-wise batching, and all threads for one frame.
     static constexpr bool large = Steps::large;
 
@@ -195,12 +197,12 @@ public:
     }
     /// How many numbers the last layer reads: the features of a frame, if it is a dense layer. 0 for a
     /// network of a single step.
-    static constexpr std::size_t features = Steps::size > 1 ? Steps::before_last::output.size() : 0;
+    static constexpr std::size_t features = Steps::size > 1 ? Steps::penultimate::output.size() : 0;
     /// Copies the features of the frame that `infer` or `classify` was last called for with this workspace,
     /// ordered [channel][row][column]. In 8 bits they are counts of the format's step from 0.
     void read_features(const workspace& memory, std::span<float, features> to) const noexcept {
         static_assert(features > 0, "read_features: the last layer of this network reads the frame");
-        using before = typename Steps::before_last;
+        using before = typename Steps::penultimate;
         static_assert(before::number_elements == 1, "read_features: the last layer reads no single numbers");
         const activation* const map =
             memory.elements.data() + input::map + output::map + Steps::before_last_map;
@@ -248,7 +250,7 @@ private:
             [&](auto frame_elements) { return input::read(packed_, frame_elements.data(), in); });
     }
     static constexpr void check_stack() {
-        static_assert(fits_stack<workspace_bytes, most_on_stack>,
+        static_assert(fits_stack<workspace_bytes, max_stack_bytes>,
                       "deployed: this network needs more workspace than a stack should hold: give it some "
                       "from the heap; fits_stack shows bytes needed, bytes at most");
     }

@@ -28,7 +28,7 @@ public:
         typename View::workspace network;            ///< memory of the network
         std::array<float, input_shape.size()> frame; ///< reflected
         /// The outputs for each reflection.
-        std::array<std::array<float, outputs>, all_reflections.size()> of_each;
+        std::array<std::array<float, outputs>, all_reflections.size()> outputs_per_reflection;
     };
 
     /// The weights of the view must outlive it.
@@ -43,11 +43,11 @@ public:
                 // Bytes stay bytes, which the network may read faster.
                 auto* const reflected = reinterpret_cast<Count*>(memory.frame.data());
                 reflect_image(input_shape, all_reflections[i], frame_elements.data(), reflected);
-                if (network_.infer(tensor_view<const Count, input_shape>(reflected), memory.of_each[i],
-                                   memory.network) != frame_status::ok)
+                if (network_.infer(tensor_view<const Count, input_shape>(reflected),
+                                   memory.outputs_per_reflection[i], memory.network) != frame_status::ok)
                     status = frame_status::not_finite;
             });
-        const auto& [upright, rows, columns, both] = memory.of_each;
+        const auto& [upright, rows, columns, both] = memory.outputs_per_reflection;
         for (std::size_t o = 0; o < outputs; ++o)
             to[o] = mean_of_reflections(upright[o], rows[o], columns[o], both[o]);
         return status;

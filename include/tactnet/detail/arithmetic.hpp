@@ -47,7 +47,7 @@ inline constexpr std::size_t alignment = cache_line;
 
 /// `count` elements rounded up to whole cache lines, so that what follows them is aligned.
 template <class Element = float>
-[[nodiscard]] constexpr std::size_t whole_lines(std::size_t count) {
+[[nodiscard]] constexpr std::size_t pad_to_cache_line(std::size_t count) {
     return detail::round_up(count, cache_line / sizeof(Element));
 }
 

@@ -85,13 +85,13 @@ private:
     static constexpr std::size_t active_rows = Shape.rows + 2 * Scale - 1;
     static constexpr std::size_t active_columns = Shape.columns + 2 * Scale - 1;
     // Four sums per column, padded to whole cache lines for the widest vectors.
-    static constexpr std::size_t response_stride = whole_lines(active_columns * 4);
+    static constexpr std::size_t response_stride = pad_to_cache_line(active_columns * 4);
     // Columns of zeros before and after the responses, for windows that reach outside of the image.
-    static constexpr std::size_t margin = whole_lines(radius * 4) / 4;
+    static constexpr std::size_t margin = pad_to_cache_line(radius * 4) / 4;
     static constexpr std::size_t band_size =
         margin * 4 +
         std::max(response_stride,
-                 whole_lines((columns.first + (columns.count - 1) * columns.step + 20 * Scale) * 4));
+                 pad_to_cache_line((columns.first + (columns.count - 1) * columns.step + 20 * Scale) * 4));
 
     /// The first sample of a window, in rows of responses; may be negative.
     [[nodiscard]] static constexpr std::ptrdiff_t top(std::size_t row) {

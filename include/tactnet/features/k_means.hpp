@@ -30,7 +30,7 @@ inline constexpr random_purpose clusters{5}; ///< seeds of clusters
 /// Settings of k-means.
 struct k_means_settings {
     std::size_t centres = 500;
-    std::size_t most_iterations = 100;
+    std::size_t max_iterations = 100;
     /// Stops when an iteration lowers the objective by no more than this fraction.
     double least_gain = 1e-4;
     std::uint64_t seed = 1;
@@ -80,7 +80,7 @@ public:
         result_.nearest.resize(count_);
         origin_ = far_origin<Values>(points_);
         result_.objective = assign();
-        while (!result_.converged && result_.iterations < settings_.most_iterations) {
+        while (!result_.converged && result_.iterations < settings_.max_iterations) {
             const double last = result_.objective;
             move_centres();
             result_.objective = assign();

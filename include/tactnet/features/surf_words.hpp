@@ -26,9 +26,9 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// of the splits.
 struct surf_settings {
     /// Descriptors to find the words from, equally many per image.
-    std::size_t most_descriptors = 20'000;
+    std::size_t max_descriptors = 20'000;
     /// Iterations of k-means.
-    std::size_t most_iterations = 15;
+    std::size_t max_iterations = 15;
     std::uint64_t seed = 1;
     histogram_form form = histogram_form::square_roots;
     /// C of the linear support vector machine (squared hinge, one against the rest).
@@ -86,7 +86,7 @@ template <class Surf, std::size_t Words = 500>
 [[nodiscard]] bag_of_words<surf_values, Words>
 fit_surf_words(std::span<const typename Surf::pixel_type> images, std::span<const std::size_t> chosen,
                const surf_settings& settings, thread_pool& threads) {
-    const std::size_t share = settings.most_descriptors / std::max<std::size_t>(chosen.size(), 1) + 1;
+    const std::size_t share = settings.max_descriptors / std::max<std::size_t>(chosen.size(), 1) + 1;
     std::vector<std::vector<float>> drawn(chosen.size());
     for (std::vector<float>& of_image : drawn)
         of_image.reserve(std::min(share, Surf::most) * surf_values); // no heap use in the threads
@@ -103,7 +103,7 @@ fit_surf_words(std::span<const typename Surf::pixel_type> images, std::span<cons
         detail::throw_invalid_argument(
             {"dense SURF: found nothing to describe in ", chosen.size(), " images: all of them are zero"});
     const k_means_result found = k_means<surf_values>(
-        points, {.centres = Words, .most_iterations = settings.most_iterations, .seed = settings.seed},
+        points, {.centres = Words, .max_iterations = settings.max_iterations, .seed = settings.seed},
         threads);
     return bag_of_words<surf_values, Words>(found.centres, settings.form);
 }

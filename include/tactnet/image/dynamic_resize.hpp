@@ -23,7 +23,7 @@ public:
 
     dynamic_axis(std::size_t from, std::size_t to) : table_(to) {
         for (std::size_t o = 0; o < to; ++o) {
-            table_[o].weights.resize(detail::most_taps(from, to));
+            table_[o].weights.resize(detail::max_taps(from, to));
             detail::find_taps<Kernel>(o, from, to, table_[o]);
         }
     }
@@ -44,8 +44,8 @@ template <class Kernel, class Count>
         image.size() % rows != 0)
         throw std::invalid_argument("resize_bicubic: expected non-empty images and rows × columns pixels");
     // Products of sizes below this do not wrap around.
-    constexpr std::size_t most_pixels = std::numeric_limits<std::size_t>::max() / sizeof(double) / 64;
-    if (new_columns > most_pixels / new_rows || columns > most_pixels / new_rows)
+    constexpr std::size_t max_pixels = std::numeric_limits<std::size_t>::max() / sizeof(double) / 64;
+    if (new_columns > max_pixels / new_rows || columns > max_pixels / new_rows)
         throw std::length_error("resize_bicubic: expected an image that fits into memory");
     const dynamic_axis<Kernel> down(rows, new_rows), along(columns, new_columns);
     std::vector<double> middle(new_rows * columns), result(new_rows * new_columns);

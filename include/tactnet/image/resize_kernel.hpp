@@ -123,11 +123,11 @@ struct resize_taps {
 };
 
 /// Upper bound of the taps of an output.
-[[nodiscard]] constexpr std::size_t most_taps(std::size_t from, std::size_t to) {
+[[nodiscard]] constexpr std::size_t max_taps(std::size_t from, std::size_t to) {
     return std::min(from, (from > to ? 4 * detail::ceil_div(from, to) : 4) + 2);
 }
 
-/// Computes the taps of one output. `taps.weights` holds most_taps zeros before.
+/// Computes the taps of one output. `taps.weights` holds max_taps zeros before.
 template <class Kernel, class Weights>
 constexpr void find_taps(std::size_t output, std::size_t from, std::size_t to, resize_taps<Weights>& taps) {
     // One rounding, so that integer coordinates are exact.
@@ -155,7 +155,7 @@ struct resize_axis {
     static constexpr std::size_t inputs = From, outputs = To;
 
 private:
-    using weights = std::array<double, detail::most_taps(From, To)>;
+    using weights = std::array<double, detail::max_taps(From, To)>;
     static constexpr auto exact = [] {
         std::array<detail::resize_taps<weights>, To> all{};
         for (std::size_t o = 0; o < To; ++o)

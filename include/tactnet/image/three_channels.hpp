@@ -44,7 +44,7 @@ template <shape Grey>
             for (std::size_t v = 0; v < kernels::row_vectors(Grey.area(), width); ++v) {
                 const std::size_t begin = kernels::row_vector_begin(v, Grey.area(), width);
                 kernels::store_anywhere(plane + begin,
-                                        (kernels::load_anywhere<wide>(grey.data() + begin) - wide(mean)) *
+                                        (kernels::load_unaligned<wide>(grey.data() + begin) - wide(mean)) *
                                             wide(scale));
             }
     }
@@ -62,7 +62,7 @@ template <shape Grey>
     for (std::size_t i = 0; i < 3 * width; ++i)
         means[i] = normalise.mean[i % 3], scales[i] = normalise.scale[i % 3];
     for (std::size_t begin = 0; begin < whole; begin += width) {
-        const auto values = kernels::repeat_three(kernels::load_anywhere<wide>(grey.data() + begin));
+        const auto values = kernels::repeat_three(kernels::load_unaligned<wide>(grey.data() + begin));
         kernels::unroll<3>([&](auto i) {
             kernels::store_anywhere(to.data() + 3 * begin + i * width,
                                     (values[i] - kernels::load_as<wide>(means.data() + i * width)) *

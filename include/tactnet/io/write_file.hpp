@@ -27,14 +27,14 @@
 namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Takes the bytes of a file, one piece after the other.
-using piece_taker = detail::function_ref<void(std::span<const std::byte>)>;
+using chunk_sink = detail::function_ref<void(std::span<const std::byte>)>;
 /// Passes the bytes of a file, one piece after the other, to the function that it is called with.
-using piece_giver = std::function<void(piece_taker)>;
+using chunk_source = std::function<void(chunk_sink)>;
 
 namespace detail {
 
 /// Writes all pieces to an open file and flushes it to the disk. Returns 0 or the error number.
-[[gnu::cold]] inline int write_and_flush(std::FILE* file, function_ref<void(piece_taker)> give) {
+[[gnu::cold]] inline int write_and_flush(std::FILE* file, function_ref<void(chunk_sink)> give) {
     errno = 0;
     int error = 0;
     give([&](std::span<const std::byte> piece) {
@@ -66,7 +66,7 @@ inline void flush_folder([[maybe_unused]] const std::filesystem::path& folder) n
 
 /// `write_file` for a giver of any type.
 [[gnu::cold]] inline void write_pieces(const std::filesystem::path& path,
-                                       function_ref<void(piece_taker)> give) {
+                                       function_ref<void(chunk_sink)> give) {
     using std::filesystem::file_type;
     const auto fail = [&](const char* expected, int code) {
         throw_file_error(path.string(), {}, {expected}, {error_text(code)});
@@ -139,20 +139,20 @@ inline void flush_folder([[maybe_unused]] const std::filesystem::path& folder) n
 /// and its permissions are kept; a link is followed; a device or pipe is written to directly. Throws
 /// file_error, and what the giver throws; the old file is then untouched and no temporary file stays behind.
 /// `remove_abandoned_files` removes what a killed writer leaves.
-inline void write_file(const std::filesystem::path& path, const piece_giver& give) {
+inline void write_file(const std::filesystem::path& path, const chunk_source& give) {
     detail::write_pieces(path, give);
 }
 /// Writes pieces that are in memory.
 inline void write_file(const std::filesystem::path& path,
                        std::span<const std::span<const std::byte>> pieces) {
-    detail::write_pieces(path, [&](piece_taker take) {
+    detail::write_pieces(path, [&](chunk_sink take) {
         for (const auto piece : pieces)
             take(piece);
     });
 }
 /// Writes bytes in one piece.
 inline void write_file(const std::filesystem::path& path, std::span<const std::byte> bytes) {
-    detail::write_pieces(path, [&](piece_taker take) { take(bytes); });
+    detail::write_pieces(path, [&](chunk_sink take) { take(bytes); });
 }
 /// Writes a text, byte by byte: line ends are not translated.
 inline void write_file(const std::filesystem::path& path, std::string_view text) {

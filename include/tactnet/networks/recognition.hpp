@@ -66,7 +66,7 @@ template <class Names>
 
 /// Names of classes that outlive a call: a container that is not a temporary, or a view.
 template <class Names>
-concept lasting_names = lasting_range<Names> && requires(const std::remove_reference_t<Names>& names) {
+concept borrowed_names = borrowed_range<Names> && requires(const std::remove_reference_t<Names>& names) {
     std::string_view(names[names.size()]);
 };
 
@@ -80,7 +80,7 @@ concept lasting_names = lasting_range<Names> && requires(const std::remove_refer
                                [](double logit, double largest) { return std::exp(logit - largest); });
 }
 /// As many classes as names, which must outlive the result.
-template <lasting_names Names>
+template <borrowed_names Names>
 [[nodiscard]] std::optional<recognition> classify_logits(std::span<const float> logits,
                                                          Names&& names) noexcept {
     return detail::with_name(classify_logits(logits, names.size()), names);
@@ -94,7 +94,7 @@ template <lasting_names Names>
                                [](double probability, double) { return probability; });
 }
 /// As many classes as names, which must outlive the result.
-template <lasting_names Names>
+template <borrowed_names Names>
 [[nodiscard]] std::optional<recognition> classify_probabilities(std::span<const float> probabilities,
                                                                 Names&& names) noexcept {
     return detail::with_name(classify_probabilities(probabilities, names.size()), names);

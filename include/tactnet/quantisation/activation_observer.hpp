@@ -41,10 +41,10 @@ class activation_observer {
 public:
     /// More images change ranges too little to justify the time. Chosen, not derived: the search runs all of
     /// these images sixteen times for each map.
-    static constexpr std::size_t most_observed = 256;
+    static constexpr std::size_t max_observed = 256;
 
     /// `folded`: the mean frame, two numbers for the words, then the numbers of all steps. The input is
-    /// (count − mean) × scale. Of more images than `most_observed`, evenly spaced ones are observed.
+    /// (count − mean) × scale. Of more images than `max_observed`, evenly spaced ones are observed.
     [[gnu::cold]] activation_observer(const calibration_graph& net, std::span<const float> folded,
                                       float scale, std::span<const float> images)
         : count_(images.size() / net.maps[0].size.size()) {
@@ -81,10 +81,10 @@ private:
     }
     /// The index of the i-th observed image among all images.
     [[nodiscard]] std::size_t observed(std::size_t i) const {
-        return i * count_ / std::min(count_, most_observed);
+        return i * count_ / std::min(count_, max_observed);
     }
     [[gnu::cold]] void choose(std::size_t size, std::span<const float> images) {
-        const std::size_t used = std::min(count_, most_observed);
+        const std::size_t used = std::min(count_, max_observed);
         images_ = std::vector<float>(used * size);
         for (std::size_t i = 0; i < used; ++i)
             std::copy_n(images.data() + observed(i) * size, size, images_.data() + i * size);

@@ -83,7 +83,7 @@ private:
     // Counts of 8 bits keep every bit, and the mean 1/256 of a count. 255 × 128 = 32640 must fit, and
     // rounding count and mean changes their difference by up to one step: the largest word lies between that
     // and 32767.
-    constexpr float most_steps = 128, largest_word = 32700, largest_count = 255;
+    constexpr float max_steps = 128, largest_word = 32700, largest_count = 255;
     // No accepted number needs fewer: 32700 / 10³⁰ is more. It ends the loop at infinity.
     constexpr float fewest_steps = 1e-30f;
     float furthest = largest_count;
@@ -91,7 +91,7 @@ private:
         furthest = std::max(furthest, std::abs(images[e] - folded[e % size]));
     for (std::size_t e = 0; e < size; ++e)
         furthest = std::max({furthest, std::abs(folded[e]), std::abs(largest_count - folded[e])});
-    float steps = most_steps;
+    float steps = max_steps;
     while (steps * furthest > largest_word && steps > fewest_steps)
         steps /= 2;
     folded[size] = steps, folded[size + 1] = largest_word / steps;

@@ -33,10 +33,10 @@ public:
     static constexpr shape input_shape = Network::input_shape;
     static constexpr std::size_t outputs = view::outputs;
     /// More images change weights too little to justify the time.
-    static constexpr std::size_t most_images = 1024;
+    static constexpr std::size_t max_images = 1024;
 
     /// The input is (count − mean) × scale. `frames` holds consecutive images, [channel][row][column]; of
-    /// more than `most_images`, evenly spaced ones are used. Throws std::invalid_argument unless there is at
+    /// more than `max_images`, evenly spaced ones are used. Throws std::invalid_argument unless there is at
     /// least one whole image, and if a number of the network or of an image is not finite or beyond 1e30.
     [[gnu::cold]] eight_bit_calibration(const Network& network,
                                         std::span<const float, input_shape.size()> mean, float scale,
@@ -66,7 +66,7 @@ private:
     }
     [[gnu::cold]] static std::vector<float> chosen(const frames_ref<input_shape>& frames) {
         constexpr std::size_t size = input_shape.size();
-        const std::size_t count = frames.size(), used = std::min(count, most_images);
+        const std::size_t count = frames.size(), used = std::min(count, max_images);
         if (count == 0 || count * size != frames.elements())
             throw std::invalid_argument("deploy: expected one or more calibration images of " +
                                         std::to_string(size) + " counts, found " +

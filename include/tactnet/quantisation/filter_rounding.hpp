@@ -83,9 +83,9 @@ public:
     static constexpr double ridge = 1e-3;
     /// Rounds of the descent. This limit ends most fits, with small moves left. Measured as above: after 1,
     /// 2, 4, 8 and 64 rounds the error of outputs is 0.108, 0.104, 0.103, 0.099, 0.102.
-    static constexpr int most_rounds = 8;
+    static constexpr int max_rounds = 8;
     /// Weights saturate to ±127, so that a signed byte holds their negatives too.
-    static constexpr double most_steps = 127;
+    static constexpr double max_steps = 127;
 
     [[gnu::cold]] filter_rounding(const pixel_moments& seen, std::size_t taps)
         : seen_(seen), taps_(taps), covariance_(taps * taps), rest_(taps) {
@@ -97,7 +97,7 @@ public:
     }
 
     /// Rounds exact weights to whole multiples of `scale`. Each weight in turn takes the value that is best
-    /// given all others, until none moves or `most_rounds` have passed: every move reduces the error of the
+    /// given all others, until none moves or `max_rounds` have passed: every move reduces the error of the
     /// sums.
     void round(std::size_t filter, std::span<const float> exact, float scale, std::span<float> weights) {
         const auto step = static_cast<double>(scale);
@@ -111,7 +111,7 @@ public:
                 rest_[t] -= covariance_[t * taps_ + u] * whole[u] * step;
         }
         bool moved = true;
-        for (int round = 0; moved && round < most_rounds; ++round) {
+        for (int round = 0; moved && round < max_rounds; ++round) {
             moved = false;
             for (std::size_t t = 0; t < taps_; ++t) {
                 const double curvature = covariance_[t * taps_ + t] + ridge_term_;
@@ -133,7 +133,7 @@ public:
 
 private:
     [[nodiscard]] static double nearest(double steps) {
-        return std::nearbyint(std::clamp(steps, -most_steps, most_steps));
+        return std::nearbyint(std::clamp(steps, -max_steps, max_steps));
     }
 
     const pixel_moments& seen_;

@@ -35,11 +35,11 @@ public:
     /// With fewer images none is held out, and weights are rounded to the nearest.
     static constexpr std::size_t fewest_images = held_out_every;
     /// All maps of each image are kept, exact and rounded, in at most 128 MB.
-    static constexpr std::size_t most_kept = (std::size_t{128} << 20) / sizeof(float);
+    static constexpr std::size_t max_kept = (std::size_t{128} << 20) / sizeof(float);
     /// Convolutions with more taps get the nearest weights: memory and time grow with the square of the taps.
     /// With this many, each of the three tables of products (of the fit, of the validation, and the
     /// covariance) takes 32 MB.
-    static constexpr std::size_t most_taps = 2048;
+    static constexpr std::size_t max_taps = 2048;
     /// A convolution is fitted on this many pixels, or on all. Derived: a covariance over the taps needs
     /// several times as many samples as taps. Measured as in filter_rounding, with 1024, 2048, 8192 and 65536
     /// in place of the second: the error of outputs is 0.109, 0.105, 0.099, 0.101.
@@ -55,7 +55,7 @@ public:
           exact_(exact),
           folded_(exact.size()),
           images_(std::min(images.size() / net.maps[0].size.size(),
-                           std::max(most_kept / (2 * net.numbers), fewest_images))) {
+                           std::max(max_kept / (2 * net.numbers), fewest_images))) {
         std::copy_n(exact.data(), exact.size(), folded_.data());
         if (images_ < fewest_images)
             return;
@@ -69,7 +69,7 @@ public:
         }
         for (const graph_node& step : net.nodes) {
             const node_executor exact_run(net, step, exact_, false);
-            if (step.is_convolution() && step.taps() <= most_taps)
+            if (step.is_convolution() && step.taps() <= max_taps)
                 fit(step, exact_run);
             const node_executor rounded_run(net, step, folded_, true);
             const map_range& range = range_of(step.output);

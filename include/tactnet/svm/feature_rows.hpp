@@ -35,7 +35,7 @@ public:
                  " features in whole rows, found ", values.size(), " values in rows of ", features});
     }
     template <class Values>
-        requires(!lasting_range<Values> && std::is_constructible_v<std::span<const float>, Values>)
+        requires(!borrowed_range<Values> && std::is_constructible_v<std::span<const float>, Values>)
     explicit feature_rows(Values&&, std::size_t = Features) = delete; // values of a temporary: give it a name
     /// As rows of any number of features.
     operator feature_rows<dynamic_features>() const requires(Features != dynamic_features) {
@@ -89,8 +89,8 @@ namespace detail {
 /// row.
 template <std::size_t Features, class Take>
 void for_each_block(feature_rows<Features> rows, std::size_t bytes_each, const Take& take) {
-    constexpr std::size_t most_bytes = std::size_t{1} << 24U;
-    const std::size_t most = std::max<std::size_t>(1, most_bytes / std::max<std::size_t>(1, bytes_each));
+    constexpr std::size_t max_bytes = std::size_t{1} << 24U;
+    const std::size_t most = std::max<std::size_t>(1, max_bytes / std::max<std::size_t>(1, bytes_each));
     for (std::size_t first = 0; first < rows.size(); first += most) {
         const std::size_t count = std::min(most, rows.size() - first);
         take(feature_rows<Features>(rows.values().subspan(first * rows.features(), count * rows.features()),

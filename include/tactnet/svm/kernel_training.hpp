@@ -43,8 +43,8 @@ namespace detail {
 /// side without samples, the other side is the answer, as in LIBSVM.
 template <svm_kernel Kernel>
 sigmoid cross_validated_sigmoid(const kernel_samples<Kernel>& samples, const binary_problem& problem,
-                                const solver_options& options, std::size_t most_folds, std::uint64_t seed) {
-    const std::size_t n = problem.samples.size(), folds = std::min(most_folds, n);
+                                const solver_options& options, std::size_t max_folds, std::uint64_t seed) {
+    const std::size_t n = problem.samples.size(), folds = std::min(max_folds, n);
     std::vector<std::vector<std::size_t>> sides(2);
     for (std::size_t k = 0; k < n; ++k)
         sides[problem.sides[k] > 0 ? 0 : 1].push_back(k);

@@ -28,7 +28,7 @@ struct sigmoid {
 /// on Platt's probabilistic outputs for support vector machines", Machine Learning 68, 2007). `sides` above
 /// zero are the first class. The values should come from machines that have not seen the samples.
 [[nodiscard]] inline sigmoid fit_sigmoid(std::span<const double> values, std::span<const double> sides) {
-    constexpr std::size_t most_iterations = 100;
+    constexpr std::size_t max_iterations = 100;
     constexpr double least_step = 1e-10, ridge = 1e-12, enough = 1e-5;
     double first = 0, second = 0;
     for (const double side : sides)
@@ -47,7 +47,7 @@ struct sigmoid {
 
     sigmoid s{0, std::log((second + 1) / (first + 1))};
     double now = loss(s);
-    for (std::size_t iteration = 0; iteration < most_iterations; ++iteration) {
+    for (std::size_t iteration = 0; iteration < max_iterations; ++iteration) {
         double h11 = ridge, h22 = ridge, h21 = 0, g1 = 0, g2 = 0;
         for (std::size_t i = 0; i < values.size(); ++i) {
             const double p = s(values[i]), d2 = p * (1 - p), d1 = target(i) - p;
@@ -98,8 +98,8 @@ struct sigmoid {
                 q[t * k + j] = -r(j, t) * r(t, j);
             }
     const double enough = 0.005 / static_cast<double>(k);
-    const std::size_t most_iterations = std::max<std::size_t>(100, k);
-    for (std::size_t iteration = 0; iteration < most_iterations; ++iteration) {
+    const std::size_t max_iterations = std::max<std::size_t>(100, k);
+    for (std::size_t iteration = 0; iteration < max_iterations; ++iteration) {
         double whole = 0, error = 0;
         for (std::size_t t = 0; t < k; ++t) {
             qp[t] = 0;

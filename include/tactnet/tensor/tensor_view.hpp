@@ -13,7 +13,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// A range whose elements outlive the full expression: an lvalue, or a view. Functions that keep a view of
 /// their argument require it, so that a temporary, which would dangle, does not compile.
 template <class Range>
-concept lasting_range =
+concept borrowed_range =
     std::is_lvalue_reference_v<Range> || std::ranges::enable_borrowed_range<std::remove_cvref_t<Range>>;
 
 /// A view of a sample: `Shape.size()` elements that belong to the caller, ordered [channel][row][column]. T
@@ -51,7 +51,7 @@ private:
 /// A view of elements whose number is only known at run time, such as a std::vector or a dynamic std::span;
 /// std::nullopt unless there are exactly `Shape.size()` of them.
 template <shape Shape, class Range>
-    requires lasting_range<Range> && requires(Range& elements) {
+    requires borrowed_range<Range> && requires(Range& elements) {
         std::span(elements);
     }
 [[nodiscard]] constexpr auto try_view(Range&& elements) noexcept {

@@ -47,7 +47,7 @@ struct recipe {
     augmentation_ranges ranges{};
     /// Augment the images as they were taken, if these are given, and reduce the result; else augment the
     /// small ones. Translations are in tactels of the small ones either way.
-    bool varies_as_taken = true;
+    bool augment_full_resolution = true;
     double label_smoothing = 0.1;
     /// Radius of sharpness-aware minimisation (Foret et al., 2021), a distance between parameters. 0 is off,
     /// all else doubles the time.
@@ -129,7 +129,7 @@ struct recipe {
         r.input = own.subtracts_mean ? input_rule::subtract_mean : input_rule::counts;
         r.initialisation = fixed_normal{0.01};
         r.ranges = augmentation_ranges::published(rows, columns);
-        r.varies_as_taken = false;
+        r.augment_full_resolution = false;
         r.label_smoothing = 0;
         r.remeasure_statistics = true;
         r.validate_every = own.validate_every;

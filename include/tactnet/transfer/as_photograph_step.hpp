@@ -30,10 +30,10 @@ template <extent2d From, std::size_t InputStride, extent2d To>
 struct as_photograph_step<single_precision, From, InputStride, To>
     : step_base<single_precision, shape{To.rows, To.columns, 3}, 3> {
     static constexpr shape grey{From.rows, From.columns, 1}, resized{To.rows, To.columns, 1};
-    static constexpr std::size_t folded_elements = 6, packed_elements = whole_lines(folded_elements);
+    static constexpr std::size_t folded_elements = 6, packed_elements = pad_to_cache_line(folded_elements);
     static constexpr bool joins_pixels = InputStride != 1; ///< the input has gaps between its pixels
     static constexpr std::size_t workspace_elements =
-        whole_lines(resized.area()) + (joins_pixels ? whole_lines(grey.area()) : 0);
+        pad_to_cache_line(resized.area()) + (joins_pixels ? pad_to_cache_line(grey.area()) : 0);
 
     static constexpr void pack(const float* numbers, float* to) { std::copy_n(numbers, folded_elements, to); }
     /// More than the input: a bicubic kernel overshoots.
@@ -48,7 +48,7 @@ struct as_photograph_step<single_precision, From, InputStride, To>
     }
     static void run(const float* numbers, const float* in, float* out, float* memory) noexcept {
         if constexpr (joins_pixels) {
-            float* const joined = memory + whole_lines(resized.area());
+            float* const joined = memory + pad_to_cache_line(resized.area());
             for (std::size_t pixel = 0; pixel < grey.area(); ++pixel)
                 joined[pixel] = in[pixel * InputStride];
             in = joined;

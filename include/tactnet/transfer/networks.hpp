@@ -20,9 +20,9 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 namespace detail {
 
 template <shape Touch, class Network>
-struct behind_photograph;
+struct with_photograph_input;
 template <shape Touch, class T, shape Photograph, class... Specs>
-struct behind_photograph<Touch, basic_network<T, Photograph, Specs...>> {
+struct with_photograph_input<Touch, basic_network<T, Photograph, Specs...>> {
     using type =
         basic_network<T, Touch, as_photograph<extent2d{Photograph.rows, Photograph.columns}>, Specs...>;
 };
@@ -31,20 +31,20 @@ struct behind_photograph<Touch, basic_network<T, Photograph, Specs...>> {
 
 /// Puts as_photograph before a network for photographs, so that it takes pressure images.
 template <shape Touch, class Network>
-using behind_photograph = typename detail::behind_photograph<Touch, Network>::type;
+using with_photograph_input = typename detail::with_photograph_input<Touch, Network>::type;
 
 /// SqueezeNet 1.1 for touches.
 template <shape Touch, std::size_t Classes>
-using squeezenet_nn = behind_photograph<Touch, squeezenet1_1<shape{227, 227, 3}, Classes>>;
+using squeezenet_nn = with_photograph_input<Touch, squeezenet1_1<shape{227, 227, 3}, Classes>>;
 /// AlexNet for touches.
 template <shape Touch, std::size_t Classes>
-using alexnet_nn = behind_photograph<Touch, alexnet<shape{224, 224, 3}, Classes>>;
+using alexnet_nn = with_photograph_input<Touch, alexnet<shape{224, 224, 3}, Classes>>;
 /// ResNet-50 for touches.
 template <shape Touch, std::size_t Classes>
-using resnet50_nn = behind_photograph<Touch, resnet50<shape{224, 224, 3}, Classes>>;
+using resnet50_nn = with_photograph_input<Touch, resnet50<shape{224, 224, 3}, Classes>>;
 /// VGG16 for touches.
 template <shape Touch, std::size_t Classes>
-using vgg16_nn = behind_photograph<Touch, vgg16<shape{224, 224, 3}, Classes>>;
+using vgg16_nn = with_photograph_input<Touch, vgg16<shape{224, 224, 3}, Classes>>;
 
 /// How the authors trained SqueezeNet, for images of any size. The rate is that of the last layer; the other
 /// layers learn at the rate divided by `new_layer_factor`.

@@ -75,7 +75,7 @@ std::size_t steps_that_differ(std::span<const float> all_folded, std::span<const
 
     const auto one = [&]<class Step>(std::type_identity<Step>) {
         tactnet::aligned_vector<std::uint8_t> in(
-            tactnet::whole_lines<std::uint8_t>(map.rows * map.columns * stride * element),
+            tactnet::pad_to_cache_line<std::uint8_t>(map.rows * map.columns * stride * element),
             std::uint8_t{0xa5});
         for (std::size_t i = 0; i < map.whole.size(); ++i) {
             const auto word = static_cast<std::int16_t>(map.whole[i]);

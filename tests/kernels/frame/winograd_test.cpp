@@ -42,7 +42,7 @@ std::size_t other_bits(std::uint64_t seed) {
     using method = winograd_method<C, Tile>;
     static_assert(together::block_vectors == alone::block_vectors);
     static_assert(!EndsWithinFrame ||
-                  (together::band < together::count && together::of_frame % together::band != 0));
+                  (together::band < together::count && together::tiles_per_frame % together::band != 0));
     constexpr std::size_t inputs = C.window.input.area() * C.input_stride, gap = 16 * lanes<float>,
                           outputs = C.output_rows() * C.output_columns() * C.output_stride(),
                           input_distance = inputs + gap, output_distance = outputs + 2 * gap;

@@ -39,8 +39,9 @@ struct large_numbers {
           biases(c.filters),
           inputs(count, sample(c.window.input.size())),
           added(count),
-          input_distance(tactnet::whole_lines(c.window.input.area() * c.input_stride)),
-          output_distance(tactnet::whole_lines(c.output_rows() * c.output_columns() * c.output_stride())),
+          input_distance(tactnet::pad_to_cache_line(c.window.input.area() * c.input_stride)),
+          output_distance(
+              tactnet::pad_to_cache_line(c.output_rows() * c.output_columns() * c.output_stride())),
           // Lanes beyond the channels hold numbers, as other steps may leave them; around the maps is NaN.
           laid_inputs(count * input_distance, NAN, 1e3f) {
         std::uint64_t state = seed;

@@ -45,7 +45,7 @@ TEST_CASE("panel_plan: parts have all taps in the order of the weights, and rows
             CHECK(part.first == taps);
             CHECK(part.first == (part.row * c.window.kernel.columns + part.column) * c.window.input.channels +
                                     part.channel);
-            CHECK(part.lines * part.depth <= std::max(kernels::panel_plan::most_taps, plan.line_taps));
+            CHECK(part.lines * part.depth <= std::max(kernels::panel_plan::max_taps, plan.line_taps));
             taps += part.lines * part.depth;
         });
         CHECK(taps == c.taps());

@@ -24,7 +24,7 @@ Vector counting(float begin) {
     std::array<float, size_of<Vector> + 1> values;
     for (std::size_t i = 0; i < values.size(); ++i)
         values[i] = begin + static_cast<float>(i) - 1;
-    return load_anywhere<Vector>(values.data() + 1);
+    return load_unaligned<Vector>(values.data() + 1);
 }
 template <class Vector>
 std::array<float, size_of<Vector>> elements(const Vector& v) {
@@ -68,7 +68,7 @@ TEST_CASE_TEMPLATE("row_vector: every operation, lane by lane", Width, width<lan
     for (const float broken : {infinity, -infinity, not_a_number}) {
         std::array<float, n> values{};
         values[n - 1] = broken;
-        CHECK_FALSE(all_finite(load_anywhere<wide>(values.data())));
+        CHECK_FALSE(all_finite(load_unaligned<wide>(values.data())));
     }
 }
 

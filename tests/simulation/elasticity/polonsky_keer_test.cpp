@@ -27,8 +27,8 @@ using map = tensor<float, size>;
 constexpr float infinite = std::numeric_limits<float>::infinity();
 
 /// What the solver of both models must never do, whatever it is given.
-void check_sane(const support::pressed<size>& found, std::size_t most_iterations = 500) {
-    CHECK(found.report.iterations <= most_iterations);
+void check_sane(const support::pressed<size>& found, std::size_t max_iterations = 500) {
+    CHECK(found.report.iterations <= max_iterations);
     CHECK(std::isfinite(found.report.force));
     CHECK(std::isfinite(found.report.depth));
     std::size_t cells = 0;
@@ -78,7 +78,7 @@ std::vector<sunk_cell> sinking(const bonded_layer& model, const map& pressures) 
 void check_complementary(const bonded_layer& model, const map& heights, const pressing& how) {
     const auto found = press(model, cell, heights, how);
     CHECK(found.report.converged);
-    check_sane(found, model.accuracy.most_iterations);
+    check_sane(found, model.accuracy.max_iterations);
     const std::vector<sunk_cell> sunk = sinking(model, found.pressures);
     double lowest = std::numeric_limits<double>::infinity();
     for (const float height : heights)
@@ -270,13 +270,13 @@ TEST_CASE("polonsky_keer: random contacts are found in few steps") {
 }
 
 TEST_CASE("polonsky_keer: what cannot be found in time is said to be") {
-    const auto found = press(bonded_layer{.accuracy = {.tolerance = 1e-9, .most_iterations = 2}}, cell,
+    const auto found = press(bonded_layer{.accuracy = {.tolerance = 1e-9, .max_iterations = 2}}, cell,
                              bumpy(), pressing::to_force(50));
     CHECK(found.report.iterations == 2);
     CHECK(!found.report.converged);
     CHECK(found.report.force == doctest::Approx(50).epsilon(1e-9));
     // An accuracy beyond that of numbers ends too.
-    const auto endless = press(bonded_layer{.accuracy = {.tolerance = 0, .most_iterations = 60}}, cell,
+    const auto endless = press(bonded_layer{.accuracy = {.tolerance = 0, .max_iterations = 60}}, cell,
                                bumpy(), pressing::to_force(50));
     check_sane(endless, 60);
 }

@@ -30,13 +30,13 @@ constexpr std::array<std::size_t, 3> labels{0, 1, 1};
 constexpr std::array<std::uint8_t, 6> pixels{1, 2, 3, 4, 255, 0};
 constexpr std::array<float, 6> values{0.5F, -1, 2, 1e-30F, 4, 1e30F};
 
-static_assert(lasting_range<lasting_span<const float>>);
-static_assert(std::is_convertible_v<std::vector<float>&, lasting_span<const float>>);
-static_assert(std::is_convertible_v<const std::array<std::array<float, 3>, 2>&, lasting_span<const float>>);
-static_assert(std::is_convertible_v<std::span<const float>, lasting_span<const float>>);
-static_assert(!std::is_convertible_v<std::vector<float>, lasting_span<const float>>);
-static_assert(!std::is_convertible_v<std::vector<std::array<float, 3>>, lasting_span<const float>>);
-static_assert(!std::is_convertible_v<std::vector<std::array<double, 3>>&, lasting_span<const float>>);
+static_assert(borrowed_range<borrowed_span<const float>>);
+static_assert(std::is_convertible_v<std::vector<float>&, borrowed_span<const float>>);
+static_assert(std::is_convertible_v<const std::array<std::array<float, 3>, 2>&, borrowed_span<const float>>);
+static_assert(std::is_convertible_v<std::span<const float>, borrowed_span<const float>>);
+static_assert(!std::is_convertible_v<std::vector<float>, borrowed_span<const float>>);
+static_assert(!std::is_convertible_v<std::vector<std::array<float, 3>>, borrowed_span<const float>>);
+static_assert(!std::is_convertible_v<std::vector<std::array<double, 3>>&, borrowed_span<const float>>);
 
 } // namespace
 
@@ -192,9 +192,9 @@ TEST_CASE("images_as_taken: a recipe may vary the small ones, as the paper's doe
     alone.taken = {};
     const auto as_small = v.image(how, alone);
     CHECK(v.image(how, v.images) != as_small);
-    how.varies_as_taken = false;
+    how.augment_full_resolution = false;
     CHECK(v.image(how, v.images) == as_small);
-    CHECK(!recipe::published(7, 13, published_training{}).varies_as_taken);
+    CHECK(!recipe::published(7, 13, published_training{}).augment_full_resolution);
 }
 
 TEST_CASE("images_as_taken: images of another number or for another size are refused") {

@@ -134,7 +134,7 @@ public:
         return {{"type", print.text()}};
     }
     method_costs costs(std::size_t classes) const override { return code_.costs_for(classes); }
-    bool varies_as_taken(const tactnet::shape& taken) const override {
+    bool augment_full_resolution(const tactnet::shape& taken) const override {
         return code_.variation_of(taken) != nullptr;
     }
     bool has_eight_bit_form() const override { return bytes_ != nullptr; }

@@ -40,8 +40,8 @@ public:
     }
     tactnet::file_metadata fit_settings() const override {
         return {{"words", fmt::to_string(words)},
-                {"word_descriptors", fmt::to_string(settings.most_descriptors)},
-                {"word_iterations", fmt::to_string(settings.most_iterations)},
+                {"word_descriptors", fmt::to_string(settings.max_descriptors)},
+                {"word_iterations", fmt::to_string(settings.max_iterations)},
                 {"word_seed", fmt::to_string(settings.seed)}};
     }
     /// A descriptor that lies between two words may count for either, which is no small change.

@@ -24,8 +24,8 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 template <shape Input>
 struct input_stage<eight_bit, Input> {
     static constexpr std::size_t folded_elements = Input.size() + 2;
-    static constexpr std::size_t map = whole_lines<std::uint8_t>(Input.size() * sizeof(std::int16_t));
-    static constexpr std::size_t packed_elements = map + whole_lines<std::int8_t>(2 * sizeof(float));
+    static constexpr std::size_t map = pad_to_cache_line<std::uint8_t>(Input.size() * sizeof(std::int16_t));
+    static constexpr std::size_t packed_elements = map + pad_to_cache_line<std::int8_t>(2 * sizeof(float));
 
     static constexpr void pack(const float* from, std::int8_t* to) {
         const auto steps = static_cast<double>(from[Input.size()]);
@@ -41,7 +41,7 @@ struct input_stage<eight_bit, Input> {
     template <class Count>
     static bool read(const std::int8_t* packed_values, const Count* counts, std::uint8_t* in) noexcept {
         const auto* const mean = reinterpret_cast<const std::int16_t*>(packed_values);
-        const auto limits = kernels::load_any<std::array<float, 2>>(packed_values + map);
+        const auto limits = kernels::load_bytes_as<std::array<float, 2>>(packed_values + map);
         const float steps = limits[0], most = limits[1] * steps;
         auto* const words = reinterpret_cast<std::int16_t*>(in);
         if constexpr (Input.channels == 1) {
@@ -61,7 +61,8 @@ struct input_stage<eight_bit, Input> {
 /// Writes the floats of the last step to outputs [channel][row][column].
 template <shape Output, std::size_t Stride>
 struct output_stage<eight_bit, Output, Stride> {
-    static constexpr std::size_t map = whole_lines<std::uint8_t>(Output.area() * Stride * sizeof(float));
+    static constexpr std::size_t map =
+        pad_to_cache_line<std::uint8_t>(Output.area() * Stride * sizeof(float));
     static bool write(const std::uint8_t* out, std::span<float, Output.size()> to) noexcept {
         return output_stage<single_precision, Output, Stride>::write(reinterpret_cast<const float*>(out), to);
     }

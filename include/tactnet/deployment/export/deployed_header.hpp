@@ -132,7 +132,7 @@ template <class Network, class Format>
         includes += "#include <" + header + ">\n";
     for (const std::string& name : says.classes)
         classes += "    " + detail::string_literal(name) + ",\n";
-    const bool on_stack = view::workspace_bytes <= view::most_on_stack;
+    const bool on_stack = view::workspace_bytes <= view::max_stack_bytes;
     const bool when_compiling =
         says.when.value_or(usual_packing(view::folded_elements)) == packing::when_compiling;
     return detail::filled(

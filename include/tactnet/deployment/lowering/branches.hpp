@@ -86,7 +86,7 @@ template <class Place, std::size_t... I, class... Branches>
 struct lowered_concatenation<Place, std::index_sequence<I...>, Branches...> {
     using layer = typename Place::layer;
     // The same for all instruction sets, so that one exported header serves them all.
-    static constexpr std::size_t stride = whole_lines(layer::output.channels);
+    static constexpr std::size_t stride = pad_to_cache_line(layer::output.channels);
     template <std::size_t At, class Branch>
     using branch = typename detail::lowered_branch<
         lowered_sequence<typename Place::format, as_sequence<Branch>, typename layer::template at<At>,

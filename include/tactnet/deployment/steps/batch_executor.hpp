@@ -13,7 +13,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// Runs inline, on the calling thread, in place of a thread_pool. For at most `MostFrames` frames.
 template <std::size_t MostFrames>
 struct inline_executor {
-    static constexpr std::size_t most_frames = MostFrames;
+    static constexpr std::size_t max_frames = MostFrames;
     static constexpr std::size_t threads() { return 1; }
     template <class Body>
     void on_each_thread(const Body& body) const {
@@ -35,9 +35,9 @@ struct batch_executor {
     std::size_t frames;
 
     /// The largest possible number of frames.
-    static constexpr std::size_t most_frames = [] {
-        if constexpr (requires { Pool::most_frames; })
-            return Pool::most_frames;
+    static constexpr std::size_t max_frames = [] {
+        if constexpr (requires { Pool::max_frames; })
+            return Pool::max_frames;
         else
             return std::numeric_limits<std::size_t>::max();
     }();
@@ -56,9 +56,8 @@ namespace detail {
 
 /// Elements from the output map of one frame to that of the next.
 template <class Step>
-inline constexpr std::size_t
-    map_distance = whole_lines<typename Step::format::activation>(Step::output.area() * Step::output_stride *
-                                                                  Step::number_elements);
+inline constexpr std::size_t map_distance = pad_to_cache_line<typename Step::format::activation>(
+    Step::output.area() * Step::output_stride * Step::number_elements);
 
 /// Runs one step over all frames of an executor: by its run_batch or run_share if it has one, otherwise frame
 /// by frame.
@@ -68,7 +67,8 @@ void run_batch(const typename Step::format::packed_number* packed,
                typename Step::format::activation* out, typename Step::format::activation* memory,
                const Executor& executor) {
     static_assert(
-        Step::workspace_elements == whole_lines<typename Step::format::activation>(Step::workspace_elements),
+        Step::workspace_elements ==
+            pad_to_cache_line<typename Step::format::activation>(Step::workspace_elements),
         "the workspace of a step must be whole cache lines, so that the one of the next frame is aligned");
     if constexpr (requires { Step::run_batch(packed, in, in_distance, out, memory, executor); }) {
         Step::run_batch(packed, in, in_distance, out, memory, executor);

@@ -38,7 +38,7 @@ struct residual_step : step_defaults {
         else
             return Skip::output_stride == output_stride
                        ? 0
-                       : whole_lines<activation>(output.area() * Skip::output_stride);
+                       : pad_to_cache_line<activation>(output.area() * Skip::output_stride);
     }();
     static constexpr std::size_t workspace_elements =
         std::max(Main::workspace_elements, aside + Skip::workspace_elements);
@@ -142,7 +142,7 @@ private:
             return std::size_t{0};
         else
             return Branch::step::fills_map
-                       ? whole_lines<activation>(map<Branch>.area() * Branch::step::output_stride)
+                       ? pad_to_cache_line<activation>(map<Branch>.area() * Branch::step::output_stride)
                        : 0;
     }();
 

@@ -43,19 +43,19 @@ struct step_chain : step_defaults {
     static constexpr std::size_t buffer = [] {
         std::size_t most = 0;
         kernels::unroll<size - 1>([&](auto i) {
-            most = std::max(most, whole_lines<activation>(at<i>::output.area() * at<i>::output_stride));
+            most = std::max(most, pad_to_cache_line<activation>(at<i>::output.area() * at<i>::output_stride));
         });
         return most;
     }();
     static constexpr std::size_t buffers = std::min<std::size_t>(size - 1, 2);
     /// Which of them a step writes to.
-    static constexpr std::size_t turn_of(std::size_t step) { return step % 2; }
+    static constexpr std::size_t buffer_index(std::size_t step) { return step % 2; }
     static constexpr std::size_t workspace_elements =
         buffers * buffer + std::max({Steps::workspace_elements...});
 
     /// The step whose map the last one reads, and where `run` leaves this map in its memory.
-    using before_last = at<(size > 1 ? size - 2 : 0)>;
-    static constexpr std::size_t before_last_map = size > 1 ? turn_of(size - 2) * buffer : 0;
+    using penultimate = at<(size > 1 ? size - 2 : 0)>;
+    static constexpr std::size_t before_last_map = size > 1 ? buffer_index(size - 2) * buffer : 0;
 
     static constexpr bool gives_probabilities = at<size - 1>::gives_probabilities;
     static constexpr bool large = (Steps::large || ...);
@@ -76,7 +76,7 @@ struct step_chain : step_defaults {
                     activation* memory) noexcept {
         activation* const inner = memory + buffers * buffer;
         kernels::unroll<size>([&](auto i) {
-            activation* const to = i + 1 == size ? out : memory + turn_of(i) * buffer;
+            activation* const to = i + 1 == size ? out : memory + buffer_index(i) * buffer;
             at<i>::run(packed_values, in, to, inner);
             packed_values += at<i>::packed_elements;
             in = to;
@@ -89,7 +89,7 @@ struct step_chain : step_defaults {
         const std::size_t turn = buffer * executor.copies();
         activation* const inner = memory + buffers * turn;
         kernels::unroll<size>([&](auto i) {
-            activation* const to = i + 1 == size ? out : memory + turn_of(i) * turn;
+            activation* const to = i + 1 == size ? out : memory + buffer_index(i) * turn;
             detail::run_batch<at<i>>(packed_values, in, in_distance, to, inner, executor);
             packed_values += at<i>::packed_elements;
             in = to, in_distance = detail::map_distance<at<i>>;

@@ -71,11 +71,10 @@ struct convolution_step<single_precision, Kernel>
                           float* workspace, const Executor& executor) requires(method::frames_together > 1) {
         constexpr std::size_t some = method::frames_together,
                               out_distance = detail::map_distance<convolution_step>;
-        const std::size_t calls =
-            Executor::most_frames >= some && executor.frames >= some * executor.threads()
-                ? executor.frames / some
-                : 0;
-        if constexpr (Executor::most_frames >= some)
+        const std::size_t calls = Executor::max_frames >= some && executor.frames >= some * executor.threads()
+                                      ? executor.frames / some
+                                      : 0;
+        if constexpr (Executor::max_frames >= some)
             if (calls > 0)
                 executor.pool.for_each(calls, [&](std::size_t call) {
                     const std::size_t first = call * some;

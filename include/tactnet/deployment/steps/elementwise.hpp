@@ -28,17 +28,17 @@ struct step_description<norm_step<Format, Map, Stride, Rectified>> {
 template <shape Map, std::size_t Stride, bool Rectified>
 struct norm_step<single_precision, Map, Stride, Rectified> : step_base<single_precision, Map, Stride> {
     static constexpr std::size_t folded_elements = 2 * Map.channels,
-                                 packed_elements = 2 * whole_lines(Stride);
+                                 packed_elements = 2 * pad_to_cache_line(Stride);
 
     static constexpr void pack(const float* from, float* to) {
         std::copy_n(from, Map.channels, to);
-        std::copy_n(from + Map.channels, Map.channels, to + whole_lines(Stride));
+        std::copy_n(from + Map.channels, Map.channels, to + pad_to_cache_line(Stride));
     }
     static double output_bound(const float* from, double input) {
         return detail::largest_sum(from, Map.channels, 1, input);
     }
     static void run(const float* factors, const float* in, float* out, float*) noexcept {
-        const float* offsets = factors + whole_lines(Stride);
+        const float* offsets = factors + pad_to_cache_line(Stride);
         for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride)
             for (std::size_t c = 0; c < Stride; ++c) {
                 const float y = kernels::fused_multiply_add(in[pixel + c], factors[c], offsets[c]);

@@ -61,7 +61,7 @@ public:
     /// checksum, and must give the same bytes. What it throws reaches the caller of `write`, and nothing is
     /// written.
     [[gnu::cold]] void add(std::string name, element_type type, std::vector<std::size_t> extents,
-                           piece_giver read) {
+                           chunk_source read) {
         std::size_t needed = 0;
         if (!detail::tensor_bytes(type, extents, needed))
             throw std::invalid_argument(
@@ -75,7 +75,7 @@ public:
     /// std::invalid_argument for metadata that are not UTF-8 or look like a checksum.
     [[gnu::cold]] void write(const std::filesystem::path& path) const {
         const head begin = make_head();
-        detail::write_pieces(path, [&](piece_taker take) { give(begin, path.string(), take); });
+        detail::write_pieces(path, [&](chunk_sink take) { give(begin, path.string(), take); });
     }
 
     /// The content of the file that `write` makes. Throws as `write`.
@@ -91,7 +91,7 @@ private:
     /// The elements of a tensor.
     struct content {
         std::vector<std::byte> bytes;
-        piece_giver read; ///< or empty, if the bytes are here
+        chunk_source read; ///< or empty, if the bytes are here
     };
     using item = std::pair<const std::string, safetensors_entry>;
 
@@ -123,7 +123,7 @@ private:
     }
 
     /// Passes the bytes of a tensor to `take`.
-    [[gnu::cold]] void each_piece(const item& tensor, piece_taker take) const {
+    [[gnu::cold]] void each_piece(const item& tensor, chunk_sink take) const {
         const auto& [name, entry] = tensor;
         const content& from = contents_[entry.begin];
         if (!from.read)
@@ -146,7 +146,7 @@ private:
         std::size_t digits;           ///< their place
     };
 
-    [[gnu::cold]] std::uint64_t sum_of(const head& begin, piece_taker take) const {
+    [[gnu::cold]] std::uint64_t sum_of(const head& begin, chunk_sink take) const {
         xxh64 sum;
         sum.update(begin.bytes);
         for (const item* tensor : ordered())
@@ -156,7 +156,7 @@ private:
             });
         return sum.digest();
     }
-    [[gnu::cold]] void give(const head& begin, const std::string& file, piece_taker take) const {
+    [[gnu::cold]] void give(const head& begin, const std::string& file, chunk_sink take) const {
         const std::uint64_t sum = sum_of(begin, [](std::span<const std::byte>) {});
         const std::string text = checksum_text(sum);
         std::vector<std::byte> bytes = begin.bytes;

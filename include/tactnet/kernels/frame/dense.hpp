@@ -111,8 +111,8 @@ struct direct_dense_method {
     static constexpr std::uint64_t cost =
         std::uint64_t{D.inputs()} * D.vectors() * frame_method::product * (D.exceeds_near_caches() ? 16 : 1);
     static constexpr std::size_t output_stride = D.output_stride();
-    static constexpr std::size_t packed_weights = whole_lines(D.weights());
-    static constexpr std::size_t packed_elements = packed_weights + whole_lines(output_stride);
+    static constexpr std::size_t packed_weights = pad_to_cache_line(D.weights());
+    static constexpr std::size_t packed_elements = packed_weights + pad_to_cache_line(output_stride);
     static constexpr std::size_t workspace_elements = 0, frames_together = dense_frames<D>;
 
     /// Blocks of vectors of outputs, then [input][output of the block]; zeros where there is no channel or no

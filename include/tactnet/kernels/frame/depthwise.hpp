@@ -123,10 +123,10 @@ struct depthwise_method : frame_method {
     /// A copied number counts as half a multiply-add of a vector.
     static constexpr std::uint64_t cost =
         C.vector_products() * product + (copied ? C.window.input.area() * C.filters * product / 2 : 0);
-    static constexpr std::size_t packed_weights = whole_lines(C.weights());
-    static constexpr std::size_t packed_elements = packed_weights + whole_lines(C.padded_filters());
+    static constexpr std::size_t packed_weights = pad_to_cache_line(C.weights());
+    static constexpr std::size_t packed_elements = packed_weights + pad_to_cache_line(C.padded_filters());
     static constexpr std::size_t workspace_elements =
-        copied ? whole_lines(C.window.input.area() * C.padded_filters()) : 0;
+        copied ? pad_to_cache_line(C.window.input.area() * C.padded_filters()) : 0;
 
     /// [vector of filters][kernel row][kernel column][filter of the vector].
     template <class Weight>

@@ -183,8 +183,8 @@ struct direct_method : frame_method {
     static constexpr const char* name = "direct";
     static constexpr bool applicable = C.groups == 1 && C.fits_map();
     static constexpr std::uint64_t cost = C.vector_products() * direct_product * memory_penalty(C);
-    static constexpr std::size_t packed_weights = whole_lines(C.weights());
-    static constexpr std::size_t packed_elements = packed_weights + whole_lines(C.padded_filters());
+    static constexpr std::size_t packed_weights = pad_to_cache_line(C.weights());
+    static constexpr std::size_t packed_elements = packed_weights + pad_to_cache_line(C.padded_filters());
 
     /// Weights in the order of use: blocks of vectors of filters, then [channel][kernel row][kernel column]
     /// [filter of the block]; zeros where there is no filter.

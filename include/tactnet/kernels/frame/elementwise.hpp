@@ -38,7 +38,7 @@ template <std::size_t Size, class Count>
         for (std::size_t v = 0; v < row_vectors(Size, width); ++v) {
             const std::size_t at = row_vector_begin(v, Size, width);
             const wide number =
-                (load_floats<wide>(counts + at) - load_anywhere<wide>(mean + at)) * wide(scale);
+                (load_floats<wide>(counts + at) - load_unaligned<wide>(mean + at)) * wide(scale);
             store_anywhere(to + at, number);
             // The difference is 0 within the limits, infinite for an infinity and NaN for NaN.
             if constexpr (!always_in_range)

@@ -15,7 +15,8 @@
 // filters fill half of a vector or less, several neighbouring pixels share one. The rows under a kernel are
 // broadcast first, each number as often as a pixel has lanes. A vector from anywhere in such a row then holds
 // the inputs of neighbouring pixels under one tap, each repeated for its filters. Sums are bit-identical with
-// those of direct_method, apart from the sign of zero: padding to the left and right of the image is computed.
+// those of direct_method, apart from the sign of zero: padding to the left and right of the image is
+// computed.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
@@ -34,10 +35,10 @@ struct packed_pixels {
     static constexpr std::size_t rows = C.block_rows(); ///< of outputs that are computed together
     /// Sums in a register block, so that a third of the registers is left to inputs and weights: with 12 to
     /// 24 of 32 the times are within 9 % (Zen 5), with 20 they are the least.
-    static constexpr std::size_t most_sums = vector_registers >= 32 ? 20 : 10;
+    static constexpr std::size_t max_sums = vector_registers >= 32 ? 20 : 10;
     /// Vectors of a row in a register block, evenly spread.
     static constexpr std::size_t block = [] {
-        constexpr std::size_t most = std::max<std::size_t>(most_sums / rows, 1);
+        constexpr std::size_t most = std::max<std::size_t>(max_sums / rows, 1);
         constexpr std::size_t blocks = ceil_div(vectors, most);
         return ceil_div(vectors, blocks);
     }();
@@ -91,7 +92,7 @@ convolve_packed_block(const std::array<const float*, packed_pixels<C>::footprint
             continue;
 #pragma GCC unroll 64
         for (std::size_t c = 0; c < under_columns; ++c) {
-            auto x = load_anywhere<vector<float>>(rows[r] + c * width);
+            auto x = load_unaligned<vector<float>>(rows[r] + c * width);
             keep_in_register(x);
 #pragma GCC unroll 64
             for (std::size_t y = 0; y < Rows; ++y)
@@ -142,9 +143,11 @@ struct packed_pixels_method : frame_method {
     static constexpr bool applicable = plan::applicable;
     static constexpr std::uint64_t cost = C.vector_products() * product * memory_penalty(C) / plan::pixels;
     static constexpr std::size_t packed_weights =
-        whole_lines(C.window.kernel.area() * plan::pixels * plan::width);
-    static constexpr std::size_t packed_elements = packed_weights + whole_lines(plan::pixels * plan::width);
-    static constexpr std::size_t workspace_elements = whole_lines(plan::footprint_rows * plan::row_elements);
+        pad_to_cache_line(C.window.kernel.area() * plan::pixels * plan::width);
+    static constexpr std::size_t packed_elements =
+        packed_weights + pad_to_cache_line(plan::pixels * plan::width);
+    static constexpr std::size_t workspace_elements =
+        pad_to_cache_line(plan::footprint_rows * plan::row_elements);
 
     /// [kernel row][kernel column][pixel of a vector][filter], the same for each pixel, as are biases.
     template <class Weight>

@@ -42,7 +42,7 @@ struct pixel_access {
         if constexpr (simd)
             return load_as<Vector>(from);
         else
-            return load_any<Vector>(from);
+            return load_bytes_as<Vector>(from);
     }
     template <class T>
     [[gnu::always_inline]] static void store(T* to, const Vector& value) {

@@ -36,7 +36,7 @@ template <std::size_t Size>
     for (std::size_t first = 0; first < Size; first += 255 * count_lanes) { // a byte counts to 255
         vector above{}, below{};
         for (std::size_t i = first; i < std::min(first + 255 * count_lanes, Size); i += count_lanes) {
-            const auto count = load_any<vector>(counts + i), own = load_any<vector>(levels + i);
+            const auto count = load_bytes_as<vector>(counts + i), own = load_bytes_as<vector>(levels + i);
             const vector sum = own + offset;
             const vector level = sum | reinterpret_cast<vector>(sum < own);
             const auto is_above = reinterpret_cast<vector>(count > level);
@@ -72,7 +72,7 @@ template <std::size_t Size>
         vector area{};
         halves force{};
         for (std::size_t i = first; i < std::min(first + most * count_lanes, whole); i += count_lanes)
-            take(load_any<vector>(counts + i), area, force);
+            take(load_bytes_as<vector>(counts + i), area, force);
         if (whole < Size && first + most * count_lanes >= Size) {
             vector last{};
             std::memcpy(&last, counts + whole, Size - whole);
@@ -109,11 +109,11 @@ template <std::size_t Size, std::size_t Stride>
     using vector = uint8_vec<count_lanes>;
     vector any{};
     for (std::size_t i = 0; i < Size; i += count_lanes) {
-        const auto own = load_any<vector>(counts + i + Stride + 1);
+        const auto own = load_bytes_as<vector>(counts + i + Stride + 1);
         const vector eighth = own >> 3;
         vector low{}, pressed{};
         unroll<8>([&](auto n) {
-            const auto neighbour = load_any<vector>(counts + i + neighbour_distances<Stride>[n]);
+            const auto neighbour = load_bytes_as<vector>(counts + i + neighbour_distances<Stride>[n]);
             low -= reinterpret_cast<vector>(neighbour < eighth);
             pressed -= reinterpret_cast<vector>(neighbour >= limits.pressed);
         });

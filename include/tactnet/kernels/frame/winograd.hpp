@@ -27,8 +27,8 @@ template <frame_convolution C, extent2d Outputs, std::size_t Frames>
                    image_columns = static_cast<std::ptrdiff_t>(C.window.input.columns);
     alignas(alignment) const std::array<float, tiles::input_stride> outside{};
     for (std::size_t tile = first; tile < last; ++tile) {
-        const std::size_t frame = Frames > 1 ? tile / tiles::of_frame : 0;
-        const std::size_t place = tile - frame * tiles::of_frame;
+        const std::size_t frame = Frames > 1 ? tile / tiles::tiles_per_frame : 0;
+        const std::size_t place = tile - frame * tiles::tiles_per_frame;
         const float* const image = input + frame * distance;
         const auto top = static_cast<std::ptrdiff_t>(place / tiles::columns * Outputs.rows) -
                          static_cast<std::ptrdiff_t>(C.window.top);
@@ -95,8 +95,8 @@ template <frame_convolution C, extent2d Outputs, std::size_t Frames, std::size_t
     constexpr std::size_t width = C.width(), rows = tiles::side.rows, columns = tiles::side.columns;
     constexpr std::size_t window = C.pool.area();
     for (std::size_t tile = first; tile < last; ++tile, products += Vectors * width) {
-        const std::size_t frame = Frames > 1 ? tile / tiles::of_frame : 0;
-        const std::size_t place = tile - frame * tiles::of_frame;
+        const std::size_t frame = Frames > 1 ? tile / tiles::tiles_per_frame : 0;
+        const std::size_t place = tile - frame * tiles::tiles_per_frame;
         const std::size_t top = place / tiles::columns * Outputs.rows,
                           left = place % tiles::columns * Outputs.columns;
         // The tile may extend past the end of the image.
@@ -166,9 +166,9 @@ struct winograd_method : frame_method {
     static constexpr extent2d tile = Outputs;
     /// The least cost for which tile_costs::to_replace(another cost) is larger than the cost of the tiles.
     static constexpr std::uint64_t cost = (cost_by_tiles(C, Outputs) * 21 / 20 + 1) * memory_penalty(C);
-    static constexpr std::size_t packed_weights =
-        whole_lines(winograd_tiles<C, Outputs>::elements * C.window.input.channels * C.padded_filters());
-    static constexpr std::size_t packed_elements = packed_weights + whole_lines(C.padded_filters());
+    static constexpr std::size_t packed_weights = pad_to_cache_line(
+        winograd_tiles<C, Outputs>::elements * C.window.input.channels * C.padded_filters());
+    static constexpr std::size_t packed_elements = packed_weights + pad_to_cache_line(C.padded_filters());
     static constexpr std::size_t workspace_elements = winograd_tiles<C, Outputs>::workspace;
     /// One list of tiles only while the transformed numbers stay in the nearest levels: with an eighth of the
     /// second level one list was faster, with more it was slower (Zen 4).

@@ -126,14 +126,14 @@ struct winograd_tiles {
     static constexpr extent2d side = tile_side(C, Outputs);
     static constexpr std::size_t elements = side.area(); ///< of an input tile and of a transformed kernel
     static constexpr std::size_t columns = ceil_div(C.columns(), Outputs.columns);
-    static constexpr std::size_t of_frame = tile_count(C, Outputs); ///< tiles of one frame
-    static constexpr std::size_t count = Frames * of_frame;
+    static constexpr std::size_t tiles_per_frame = tile_count(C, Outputs); ///< tiles of one frame
+    static constexpr std::size_t count = Frames * tiles_per_frame;
 
     static constexpr std::size_t channels = C.window.input.channels;
     static constexpr std::size_t input_width = lanes_for<float>(channels);
     static constexpr std::size_t input_vectors = ceil_div(channels, input_width);
     static constexpr std::size_t input_stride = input_vectors * input_width;
-    static constexpr std::size_t block_vectors = tile_block_vectors(C, of_frame);
+    static constexpr std::size_t block_vectors = tile_block_vectors(C, tiles_per_frame);
     static constexpr std::size_t block_stride = block_vectors * C.width();
 
     /// Tiles of a band, which passes all transforms before the next begins: as many as the first level of
@@ -150,8 +150,8 @@ struct winograd_tiles {
     static constexpr std::size_t block = tiles_of_block(band, block_vectors);
 
     /// Elements of workspace.
-    static constexpr std::size_t transformed_input = whole_lines(elements * band * input_stride);
-    static constexpr std::size_t products = whole_lines(elements * band * block_stride);
+    static constexpr std::size_t transformed_input = pad_to_cache_line(elements * band * input_stride);
+    static constexpr std::size_t products = pad_to_cache_line(elements * band * block_stride);
     static constexpr std::size_t workspace = transformed_input + products;
 };
 

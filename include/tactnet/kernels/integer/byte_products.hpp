@@ -26,7 +26,9 @@ struct byte_products<4> {
     static constexpr std::size_t group = 4;
     static constexpr int offset = 0;
 
-    [[gnu::always_inline]] static weights load(const std::int8_t* from) { return load_any<__m128i>(from); }
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) {
+        return load_bytes_as<__m128i>(from);
+    }
     [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return _mm_set1_epi32(detail::group_at<std::int32_t>(from));
     }
@@ -49,7 +51,9 @@ struct byte_products<8> {
     static constexpr std::size_t group = 4;
     static constexpr int offset = 0;
 
-    [[gnu::always_inline]] static weights load(const std::int8_t* from) { return load_any<__m256i>(from); }
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) {
+        return load_bytes_as<__m256i>(from);
+    }
     [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return _mm256_set1_epi32(detail::group_at<std::int32_t>(from));
     }
@@ -73,7 +77,9 @@ struct byte_products<16> {
     static constexpr std::size_t group = 4;
     static constexpr int offset = 0;
 
-    [[gnu::always_inline]] static weights load(const std::int8_t* from) { return load_any<__m512i>(from); }
+    [[gnu::always_inline]] static weights load(const std::int8_t* from) {
+        return load_bytes_as<__m512i>(from);
+    }
     [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return _mm512_set1_epi32(detail::group_at<std::int32_t>(from));
     }
@@ -121,7 +127,7 @@ struct byte_products<1> {
     static constexpr std::size_t group = 4;
     static constexpr int offset = 0;
     static constexpr std::array<std::size_t, group> order{0, 2, 1, 3};
-    static constexpr std::size_t most_sums = word_products<1>::most_sums;
+    static constexpr std::size_t max_sums = word_products<1>::max_sums;
 
     [[gnu::always_inline]] static weights load(const std::int8_t* from) {
         const auto bytes = detail::group_at<int8x4_t>(from);

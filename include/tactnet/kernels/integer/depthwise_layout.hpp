@@ -22,8 +22,8 @@ struct depthwise_products : byte_products<Lanes> {
     [[gnu::always_inline]] static int32_vec<Lanes>
     add(const int32_vec<Lanes>& sums, const std::int8_t* weights, const std::uint8_t* inputs) {
         using products = byte_products<Lanes>;
-        return products::add(sums, load_any<typename products::weights>(weights),
-                             load_any<typename products::inputs>(inputs));
+        return products::add(sums, load_bytes_as<typename products::weights>(weights),
+                             load_bytes_as<typename products::inputs>(inputs));
     }
 };
 template <std::size_t Lanes>
@@ -33,7 +33,7 @@ struct depthwise_products<Lanes, 1> {
     static constexpr int offset = 0;
     [[gnu::always_inline]] static int32_vec<Lanes>
     add(const int32_vec<Lanes>& sums, const std::int8_t* weights, const std::uint8_t* inputs) {
-        return sums + load_any<int32_vec<Lanes>>(weights) * load_any<int32_vec<Lanes>>(inputs);
+        return sums + load_bytes_as<int32_vec<Lanes>>(weights) * load_bytes_as<int32_vec<Lanes>>(inputs);
     }
 };
 

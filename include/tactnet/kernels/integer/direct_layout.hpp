@@ -33,7 +33,7 @@ struct direct_integer_layout {
 
     /// The register block: the one of floats, or a smaller one where integer sums have fewer registers.
     static constexpr std::size_t vectors = C.padded_filters() / width;
-    static constexpr bool few_registers = requires { products::most_sums; };
+    static constexpr bool few_registers = requires { products::max_sums; };
     static constexpr std::size_t block_vectors = [] {
         if constexpr (few_registers)
             return C.pool.area() > 1 ? 1 : std::min<std::size_t>(vectors, 2);
@@ -48,9 +48,8 @@ struct direct_integer_layout {
     }();
     static constexpr std::size_t block_columns = [] {
         if constexpr (few_registers)
-            return C.pool.area() > 1
-                       ? C.pool.columns
-                       : std::min<std::size_t>(products::most_sums / block_vectors, C.columns());
+            return C.pool.area() > 1 ? C.pool.columns
+                                     : std::min<std::size_t>(products::max_sums / block_vectors, C.columns());
         else
             return C.block_columns();
     }();

@@ -22,18 +22,18 @@ template <std::size_t Lanes, class Count>
 [[gnu::always_inline]] inline int32_vec<Lanes> some_counts_to_words(const Count* counts,
                                                                     const std::int16_t* mean, float steps,
                                                                     float most, std::int16_t* words) {
-    const auto middle = __builtin_convertvector(load_any<int16_vec<Lanes>>(mean), int32_vec<Lanes>);
+    const auto middle = __builtin_convertvector(load_bytes_as<int16_vec<Lanes>>(mean), int32_vec<Lanes>);
     float_vec<Lanes> scaled;
     int32_vec<Lanes> beyond{};
     if constexpr (std::is_same_v<Count, float>) {
-        scaled = load_any<float_vec<Lanes>>(counts) * steps;
+        scaled = load_bytes_as<float_vec<Lanes>>(counts) * steps;
         const auto centre = __builtin_convertvector(middle, float_vec<Lanes>);
         // NaN fails both comparisons.
         const int32_vec<Lanes> fits = (scaled <= centre + most) & (scaled >= centre - most);
         beyond = ~fits;
         scaled = fits ? scaled : float_vec<Lanes>{};
     } else {
-        const int32_vec<Lanes> whole = to_int32<Lanes>(load_any<uint8_vec<Lanes>>(counts));
+        const int32_vec<Lanes> whole = to_int32<Lanes>(load_bytes_as<uint8_vec<Lanes>>(counts));
         scaled = __builtin_convertvector(whole, float_vec<Lanes>) * steps;
     }
     store_any(words, __builtin_convertvector(nearest<Lanes>(scaled) - middle, int16_vec<Lanes>));

@@ -103,7 +103,7 @@ narrow(const std::array<int32_vec<Lanes>, 4>& whole) {
 template <std::size_t Bytes, std::size_t Count>
 [[nodiscard]] [[gnu::always_inline]] inline uint8_vec<Bytes> load_first(const std::uint8_t* from) {
     if constexpr (Count >= Bytes) {
-        return load_any<uint8_vec<Bytes>>(from);
+        return load_bytes_as<uint8_vec<Bytes>>(from);
     } else if constexpr (Bytes > 16) {
         // By halves, or compilers assemble the vector in memory.
         constexpr std::size_t half = Bytes / 2;

@@ -35,7 +35,7 @@ inline constexpr std::int32_t above_nearest = 0x4B400000;
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes> with_nearest(const float_vec<Lanes>& values) {
     const float_vec<Lanes> shifted = values + 0x1.8p23f;
-    return load_any<int32_vec<Lanes>>(&shifted);
+    return load_bytes_as<int32_vec<Lanes>>(&shifted);
 }
 
 } // namespace detail
@@ -54,7 +54,7 @@ template <std::size_t Lanes>
     using bytes = uint8_vec<Lanes>;
 #if !defined(TACTNET_NO_SIMD) && ((defined(__SSSE3__) && !defined(__AVX512VL__)) || defined(__aarch64__))
     // A shuffle, since GCC 12 converts lane by lane.
-    const auto all = load_any<uint8_vec<4 * Lanes>>(&whole);
+    const auto all = load_bytes_as<uint8_vec<4 * Lanes>>(&whole);
     if constexpr (Lanes == 4)
         return __builtin_shufflevector(all, all, 0, 4, 8, 12);
     else if constexpr (Lanes == 8)
@@ -111,21 +111,21 @@ struct integer_epilogue {
     }
     template <std::size_t Lanes>
     [[nodiscard]] [[gnu::always_inline]] int32_vec<Lanes> start(std::size_t vector) const {
-        return load_any<int32_vec<Lanes>>(starts + vector * Lanes * sizeof(std::int32_t));
+        return load_bytes_as<int32_vec<Lanes>>(starts + vector * Lanes * sizeof(std::int32_t));
     }
     template <std::size_t Lanes>
     [[nodiscard]] [[gnu::always_inline]] float_vec<Lanes> factor(std::size_t vector) const {
-        return load_any<float_vec<Lanes>>(factors + vector * Lanes * sizeof(float));
+        return load_bytes_as<float_vec<Lanes>>(factors + vector * Lanes * sizeof(float));
     }
     template <std::size_t Lanes>
     [[nodiscard]] [[gnu::always_inline]] int32_vec<Lanes> added_weight(std::size_t vector) const {
-        return load_any<int32_vec<Lanes>>(added + vector * Lanes * sizeof(std::int32_t));
+        return load_bytes_as<int32_vec<Lanes>>(added + vector * Lanes * sizeof(std::int32_t));
     }
     /// The term of the other map, from its bytes.
     template <std::size_t Lanes>
     [[nodiscard]] [[gnu::always_inline]] int32_vec<Lanes> added_term(const std::uint8_t* other,
                                                                      std::size_t vector) const {
-        return __builtin_convertvector(load_any<uint8_vec<Lanes>>(other), int32_vec<Lanes>) *
+        return __builtin_convertvector(load_bytes_as<uint8_vec<Lanes>>(other), int32_vec<Lanes>) *
                added_weight<Lanes>(vector);
     }
     /// sum × factor without rounding, after ReLU if `Rectified`.

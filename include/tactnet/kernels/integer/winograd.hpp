@@ -40,7 +40,7 @@ template <frame_convolution C>
                 transform_tile_input<words, side, side>(
                     [&](std::size_t y, std::size_t x) __attribute__((always_inline)) {
                         const std::uint8_t* const from = pixel(y, x);
-                        return from ? __builtin_convertvector(load_any<bytes>(from + channel), words)
+                        return from ? __builtin_convertvector(load_bytes_as<bytes>(from + channel), words)
                                     : outside;
                     },
                     [&](std::size_t y, std::size_t x, const words& element) __attribute__((always_inline)) {
@@ -116,7 +116,7 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
                 std::array<sum, side> column;
 #pragma GCC unroll 64
                 for (std::size_t y = 0; y < side; ++y)
-                    column[y] = load_any<sum>(
+                    column[y] = load_bytes_as<sum>(
                         products + (((y * side + x) * tiles::band + tile - first) * Vectors + v) * width);
                 const std::array<sum, 2> line = tile_output_line<2>(column);
                 half[0][x] = line[0], half[1][x] = line[1];

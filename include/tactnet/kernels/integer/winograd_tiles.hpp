@@ -62,9 +62,10 @@ struct integer_tiles {
 
     /// Bytes of the workspace: transformed inputs, then products.
     static constexpr std::size_t transformed_bytes =
-        whole_lines<std::uint8_t>(elements * band * channels * sizeof(std::int16_t));
+        pad_to_cache_line<std::uint8_t>(elements * band * channels * sizeof(std::int16_t));
     static constexpr std::size_t workspace_bytes =
-        transformed_bytes + whole_lines<std::uint8_t>(elements * band * block_stride * sizeof(std::int32_t));
+        transformed_bytes +
+        pad_to_cache_line<std::uint8_t>(elements * band * block_stride * sizeof(std::int32_t));
     /// Bytes of the transformed, packed kernels.
     static constexpr std::size_t weight_bytes =
         elements * groups * group * C.padded_filters() * sizeof(std::int16_t);

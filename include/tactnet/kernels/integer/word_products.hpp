@@ -30,7 +30,7 @@
 //   group      inputs per instruction
 //   offset     subtracted from an input of 8 bits as it is staged
 //   order      optional: the input that each weight of a group belongs to, if in another order
-//   most_sums  optional: sums that stay in registers, if fewer than of floats
+//   max_sums  optional: sums that stay in registers, if fewer than of floats
 // clang-format on
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
@@ -106,7 +106,9 @@ struct word_products<4> {
     static constexpr std::size_t group = 2;
     static constexpr int offset = 0;
 
-    [[gnu::always_inline]] static weights load(const std::int16_t* from) { return load_any<__m128i>(from); }
+    [[gnu::always_inline]] static weights load(const std::int16_t* from) {
+        return load_bytes_as<__m128i>(from);
+    }
     [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return _mm_set1_epi32(detail::group_at<std::int32_t>(from));
     }
@@ -132,7 +134,9 @@ struct word_products<8> {
     static constexpr std::size_t group = 2;
     static constexpr int offset = 0;
 
-    [[gnu::always_inline]] static weights load(const std::int16_t* from) { return load_any<__m256i>(from); }
+    [[gnu::always_inline]] static weights load(const std::int16_t* from) {
+        return load_bytes_as<__m256i>(from);
+    }
     [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return _mm256_set1_epi32(detail::group_at<std::int32_t>(from));
     }
@@ -159,7 +163,9 @@ struct word_products<16> {
     static constexpr std::size_t group = 2;
     static constexpr int offset = 0;
 
-    [[gnu::always_inline]] static weights load(const std::int16_t* from) { return load_any<__m512i>(from); }
+    [[gnu::always_inline]] static weights load(const std::int16_t* from) {
+        return load_bytes_as<__m512i>(from);
+    }
     [[gnu::always_inline]] static inputs broadcast(const staged* from) {
         return _mm512_set1_epi32(detail::group_at<std::int32_t>(from));
     }
@@ -186,7 +192,7 @@ struct word_products<1> {
     using inputs = int16x2_t;
     static constexpr std::size_t group = 2;
     static constexpr int offset = 0;
-    static constexpr std::size_t most_sums = 4; // of 14 registers
+    static constexpr std::size_t max_sums = 4; // of 14 registers
 
     [[gnu::always_inline]] static weights load(const std::int16_t* from) {
         return detail::group_at<weights>(from);

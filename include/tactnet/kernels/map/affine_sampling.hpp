@@ -83,7 +83,7 @@ private:
         const auto along = [&](double start, double by_row, double by_column, std::size_t size,
                                std::size_t begin) {
             const wide position = fused_multiply_add(wide(static_cast<float>(by_column)),
-                                                     load_anywhere<wide>(&from_centre[begin]),
+                                                     load_unaligned<wide>(&from_centre[begin]),
                                                      wide(static_cast<float>(start + by_row * v + radius)));
             return clamp(position, wide(0), wide(static_cast<float>(size - 1 + 2 * radius)));
         };
@@ -106,8 +106,8 @@ private:
         using wide = sized_vector<float, width>;
         for (std::size_t v = 0; v < row_vectors(count, width); ++v) {
             const std::size_t begin = row_vector_begin(v, count, width);
-            const auto both =
-                interleave(load_anywhere<wide>(padded + begin), load_anywhere<wide>(padded + begin + stride));
+            const auto both = interleave(load_unaligned<wide>(padded + begin),
+                                         load_unaligned<wide>(padded + begin + stride));
             store_anywhere(pairs + 2 * begin, both[0]);
             store_anywhere(pairs + 2 * begin + width, both[1]);
         }
@@ -134,15 +134,15 @@ private:
         using wide = sized_vector<float, width>;
         for (std::size_t v = 0; v < row_vectors(Count, width); ++v) {
             const std::size_t begin = row_vector_begin(v, Count, width);
-            const weights<wide> along(load_anywhere<wide>(&memory.column_rest[begin])),
-                down(load_anywhere<wide>(&memory.row_rest[begin]));
+            const weights<wide> along(load_unaligned<wide>(&memory.column_rest[begin])),
+                down(load_unaligned<wide>(&memory.row_rest[begin]));
             std::array<wide, Taps> rows;
 #pragma GCC unroll 64
             for (std::size_t pair = 0; pair < radius; ++pair) {
                 std::array<wide, 2 * Taps> pixels;
 #pragma GCC unroll 64
                 for (std::size_t i = 0; i < 2 * Taps; ++i)
-                    pixels[i] = load_anywhere<wide>(&memory.pixels[pair][2 * Taps * begin + i * width]);
+                    pixels[i] = load_unaligned<wide>(&memory.pixels[pair][2 * Taps * begin + i * width]);
                 pixels = deinterleave(pixels);
                 std::array<wide, Taps> upper, lower;
 #pragma GCC unroll 64

@@ -32,7 +32,7 @@ template <std::size_t Count>
         using wide = sized_vector<float, width>;
         wide rest(0);
         for (std::size_t v = 0; v < row_vectors(Count, width); ++v) {
-            const wide large = load_anywhere<wide>(from + row_vector_begin(v, Count, width)) * wide(64);
+            const wide large = load_unaligned<wide>(from + row_vector_begin(v, Count, width)) * wide(64);
             rest = rest + (large - large);
         }
         return all_finite(rest);
@@ -72,7 +72,7 @@ template <class Axis, std::size_t Columns, std::size_t FromStride, std::size_t T
                 wide sum(0);
                 for (std::size_t t = 0; t < Axis::taps; ++t)
                     if (!Guarded || taps.weights[t] != 0)
-                        sum = fused_multiply_add(load_anywhere<wide>(at + t * FromStride),
+                        sum = fused_multiply_add(load_unaligned<wide>(at + t * FromStride),
                                                  wide(taps.weights[t]), sum);
                 store_row(o, begin, sum);
             });
@@ -96,7 +96,7 @@ template <class Axis, std::size_t Columns, std::size_t FromStride, std::size_t T
                     sums[r] = wide(0);
 #pragma GCC unroll 64
                 for (std::size_t t = 0; t < Axis::taps; ++t) {
-                    const wide input = load_anywhere<wide>(at + t * FromStride);
+                    const wide input = load_unaligned<wide>(at + t * FromStride);
 #pragma GCC unroll 64
                     for (std::size_t r = 0; r < rows; ++r)
                         sums[r] = fused_multiply_add(input, weights[r][t], sums[r]);

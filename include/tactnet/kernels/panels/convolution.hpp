@@ -20,8 +20,8 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 struct panel_plan {
     /// Limits on the taps of a part (a panel of four vectors of 16 filters then has 32 kB), the outputs of a
     /// band, and the elements of their inputs.
-    static constexpr std::size_t most_taps = 128, most_pixels = 224, fewest_pixels = 56,
-                                 most_inputs = l2_cache_bytes / 2 / sizeof(float);
+    static constexpr std::size_t max_taps = 128, max_pixels = 224, fewest_pixels = 56,
+                                 max_inputs = l2_cache_bytes / 2 / sizeof(float);
     /// Rows that lie a multiple of so many elements apart share the same sets of a cache.
     static constexpr std::size_t clashing = 1024;
 
@@ -57,9 +57,9 @@ struct panel_plan {
         stride = !staged ? convolution.input_stride : w.input.channels + (clashes ? 16 : 0);
         joined = stride == w.input.channels;
         line_taps = joined ? w.kernel.columns * w.input.channels : w.input.channels;
-        parts_of_line = ceil_div(line_taps, most_taps);
+        parts_of_line = ceil_div(line_taps, max_taps);
         lines_of_part =
-            std::clamp<std::size_t>(most_taps / line_taps, 1, joined ? w.kernel.rows : w.kernel.columns);
+            std::clamp<std::size_t>(max_taps / line_taps, 1, joined ? w.kernel.rows : w.kernel.columns);
         cut_bands();
     }
     /// Several images side by side, which must be flat(): a band holds pixels of as many images as stay in
@@ -84,7 +84,7 @@ struct panel_plan {
     }
     /// Elements of workspace for one thread.
     [[nodiscard]] constexpr std::size_t workspace() const {
-        return staged ? under(band_rows, flat() ? most_pixels : band_columns).area() * stride : 0;
+        return staged ? under(band_rows, flat() ? max_pixels : band_columns).area() * stride : 0;
     }
     [[nodiscard]] constexpr std::size_t weights() const { return convolution.weights(); }
 
@@ -121,7 +121,7 @@ private:
     constexpr void cut_bands() {
         const sliding_window& w = convolution.window;
         const std::size_t pixels =
-            std::clamp(most_inputs / (stride * w.stride.area()), fewest_pixels, most_pixels);
+            std::clamp(max_inputs / (stride * w.stride.area()), fewest_pixels, max_pixels);
         const std::size_t bands = ceil_div(w.output_columns(), pixels);
         band_columns = ceil_div(w.output_columns(), bands);
         band_rows = std::clamp<std::size_t>(pixels / band_columns, 1, w.output_rows());

@@ -40,7 +40,7 @@ struct large_convolution {
     }
     /// Elements of memory for each thread or each frame, whichever are more.
     [[nodiscard]] constexpr std::size_t workspace() const {
-        return whole_lines(tiled() ? tiles.workspace(tiles.band(tiles.count())) : panels.workspace());
+        return pad_to_cache_line(tiled() ? tiles.workspace(tiles.band(tiles.count())) : panels.workspace());
     }
     /// The cost by the products that are computed, in the unit of frame_method.
     [[nodiscard]] constexpr std::uint64_t cost() const {
@@ -113,8 +113,8 @@ struct panel_method : frame_method {
     static constexpr bool large = true;
     static constexpr extent2d tile = plan.tiles.outputs;
     static constexpr std::uint64_t cost = plan.cost();
-    static constexpr std::size_t packed_weights = whole_lines(plan.weights());
-    static constexpr std::size_t packed_elements = packed_weights + whole_lines(C.padded_filters());
+    static constexpr std::size_t packed_weights = pad_to_cache_line(plan.weights());
+    static constexpr std::size_t packed_elements = packed_weights + pad_to_cache_line(C.padded_filters());
     static constexpr std::size_t workspace_elements = plan.workspace();
 
     template <class Weight>

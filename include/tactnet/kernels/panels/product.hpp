@@ -16,9 +16,9 @@
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The most vectors of filters in a panel: the more, the fewer inputs are read.
-inline constexpr std::size_t most_panel_vectors = vector_registers >= 32 ? 4 : 2;
+inline constexpr std::size_t max_panel_vectors = vector_registers >= 32 ? 4 : 2;
 /// The most rows of a register block: they leave registers for the weights and one input.
-[[nodiscard]] constexpr std::size_t most_panel_rows(std::size_t vectors) {
+[[nodiscard]] constexpr std::size_t max_panel_rows(std::size_t vectors) {
     constexpr std::size_t most = vector_registers >= 32 ? 14 : 12;
     return std::min((vector_registers - 1 - vectors) / vectors, most);
 }
@@ -28,7 +28,7 @@ struct filter_panels {
     std::size_t vectors, count;
 
     constexpr explicit filter_panels(std::size_t padded_filters)
-        : vectors(padded_filters / lanes<float>), count(ceil_div(vectors, most_panel_vectors)) {}
+        : vectors(padded_filters / lanes<float>), count(ceil_div(vectors, max_panel_vectors)) {}
     /// The first vector of a panel, and the first filter.
     [[nodiscard]] constexpr std::size_t vector(std::size_t panel) const { return vectors * panel / count; }
     [[nodiscard]] constexpr std::size_t begin(std::size_t panel) const {
@@ -148,16 +148,16 @@ void multiply_panels(panel_rows rows, std::size_t count, const filter_panels& pa
                      std::size_t last, const float* weights, epilogue end) {
     using block = void (*)(const panel_rows&, const float*, std::size_t, epilogue);
     static constexpr auto blocks = [] {
-        std::array<std::array<block, most_panel_rows(1)>, most_panel_vectors> all{};
-        unroll<most_panel_vectors>([&](auto v) {
+        std::array<std::array<block, max_panel_rows(1)>, max_panel_vectors> all{};
+        unroll<max_panel_vectors>([&](auto v) {
             constexpr std::size_t vectors = v + 1;
-            unroll<most_panel_rows(vectors)>([&](auto r) { all[v][r] = multiply_panel<r + 1, vectors>; });
+            unroll<max_panel_rows(vectors)>([&](auto r) { all[v][r] = multiply_panel<r + 1, vectors>; });
         });
         return all;
     }();
     static constexpr auto one_row = [] {
-        std::array<block, most_panel_vectors> all{};
-        unroll<most_panel_vectors>([&](auto v) {
+        std::array<block, max_panel_vectors> all{};
+        unroll<max_panel_vectors>([&](auto v) {
             constexpr std::size_t vectors = v + 1;
             all[v] = multiply_panel<1, vectors, panels_of_one_row(vectors)>;
         });
@@ -181,7 +181,7 @@ void multiply_panels(panel_rows rows, std::size_t count, const filter_panels& pa
             continue;
         }
         // Pieces of nearly the same size: a rest of few rows would be bound by the latency of its sums.
-        const std::size_t most = most_panel_rows(vectors), pieces = ceil_div(count, most);
+        const std::size_t most = max_panel_rows(vectors), pieces = ceil_div(count, most);
         for (std::size_t p = 0; p < pieces; ++p) {
             const std::size_t size = count / pieces + (p < count % pieces);
             blocks[vectors - 1][size - 1](some, from, 0, some_end);

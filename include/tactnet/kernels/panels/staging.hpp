@@ -17,9 +17,9 @@ template <class Vector, std::size_t Lanes>
 [[gnu::always_inline]] inline void copy_vectors(const float* from, float* to, std::size_t count) {
     std::size_t i = 0;
     for (; i + Lanes <= count; i += Lanes)
-        store_anywhere(to + i, load_anywhere<Vector>(from + i));
+        store_anywhere(to + i, load_unaligned<Vector>(from + i));
     if (i < count)
-        store_anywhere(to + count - Lanes, load_anywhere<Vector>(from + count - Lanes));
+        store_anywhere(to + count - Lanes, load_unaligned<Vector>(from + count - Lanes));
 }
 inline void copy_line(const float* from, float* to, std::size_t count) {
     if (count >= lanes<float>)

@@ -18,7 +18,7 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 /// A convolution cut into tiles. Sizes only.
 struct tile_plan {
     /// The most channels that are added in registers.
-    static constexpr std::size_t most_depth = 128;
+    static constexpr std::size_t max_depth = 128;
     /// The fewest tiles that are worth reading transformed weights: a few register blocks.
     static constexpr std::size_t fewest_tiles = 12;
 
@@ -50,7 +50,7 @@ struct tile_plan {
     /// Elements from one transformed tile to the next: a distance with which tiles do not share sets of a
     /// cache.
     [[nodiscard]] constexpr std::size_t tile_stride() const {
-        return channels() + (channels() % 512 == 0 ? whole_lines(lanes<float>) : 0);
+        return channels() + (channels() % 512 == 0 ? pad_to_cache_line(lanes<float>) : 0);
     }
     [[nodiscard]] constexpr std::size_t product_stride() const { return convolution.padded_filters(); }
     /// Tiles of a band, which passes all transforms before the next begins: about as many as make the maps as
@@ -63,7 +63,7 @@ struct tile_plan {
         return ceil_div(tiles_of_all, bands);
     }
     /// The number of parts into which the channels are cut.
-    [[nodiscard]] constexpr std::size_t parts() const { return ceil_div(channels(), most_depth); }
+    [[nodiscard]] constexpr std::size_t parts() const { return ceil_div(channels(), max_depth); }
     [[nodiscard]] constexpr std::size_t part_begin(std::size_t part) const {
         return channels() * part / parts();
     }

@@ -57,7 +57,7 @@ inline constexpr std::size_t max_integer_lanes = 4;
 
 /// Loads from any alignment, and from memory that was written as another type.
 template <class Vector>
-[[nodiscard]] [[gnu::always_inline]] inline Vector load_any(const void* from) {
+[[nodiscard]] [[gnu::always_inline]] inline Vector load_bytes_as(const void* from) {
     Vector values;
     std::memcpy(&values, from, sizeof(values));
     return values;

@@ -16,7 +16,7 @@
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 template <class Vector, class T>
-[[nodiscard]] [[gnu::always_inline]] inline Vector load_anywhere(const T* from) {
+[[nodiscard]] [[gnu::always_inline]] inline Vector load_unaligned(const T* from) {
     return Vector::load_unaligned(from);
 }
 template <class Vector, class T>
@@ -164,7 +164,7 @@ deinterleave(const std::array<Vector, Ways>& sequence) {
 /// Loads floats with any alignment.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector load_floats(const float* from) {
-    return load_anywhere<Vector>(from);
+    return load_unaligned<Vector>(from);
 }
 
 /// The number of vectors that cover `count` elements, and where each begins. The last one overlaps its

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/map/even_convolution.hpp>
+#include <tactnet/kernels/map/symmetric_convolution.hpp>
 #include <tactnet/simulation/contact/contact.hpp>
 #include <tactnet/simulation/contact/winkler.hpp>
 #include <tactnet/tensor/aligned.hpp>
@@ -22,14 +22,14 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 struct contact_accuracy {
     /// The largest gap under pressure, or overlap without, as a fraction of the depth.
     double tolerance = 1e-6;
-    std::size_t most_iterations = 500; ///< then the report says that it has not converged
+    std::size_t max_iterations = 500; ///< then the report says that it has not converged
 };
 
 /// The solver of all models whose cells influence each other. Allocates only when constructed.
 template <shape Shape>
 class polonsky_keer {
     using v = kernels::vector<double>;
-    using convolution = kernels::even_convolution<Shape>;
+    using convolution = kernels::symmetric_convolution<Shape>;
     using field = aligned_vector<double>;
     static constexpr std::size_t stride = convolution::stride, size = convolution::size;
 
@@ -151,7 +151,7 @@ private:
             const state now = gaps(to_force ? level() : press.amount);
             report.depth = now.level;
             report.converged = now.worst <= accuracy_.tolerance * now.level;
-            if (report.converged || report.iterations == accuracy_.most_iterations)
+            if (report.converged || report.iterations == accuracy_.max_iterations)
                 return;
             ++report.iterations;
             update_direction(before > 0 ? now.squares / before : 0);

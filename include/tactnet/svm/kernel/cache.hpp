@@ -17,7 +17,7 @@ class kernel_cache {
 public:
     /// For `samples` rows of at most as many values, in at most `bytes`, but two rows at least.
     kernel_cache(std::size_t samples, std::size_t bytes)
-        : stride_(whole_lines(samples)),
+        : stride_(pad_to_cache_line(samples)),
           capacity_(std::clamp(bytes / (stride_ * sizeof(float)), std::size_t{2},
                                std::max(samples, std::size_t{2}))),
           places_(samples, recent_.end()) {}

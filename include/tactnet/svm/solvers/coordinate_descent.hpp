@@ -32,7 +32,7 @@ enum class linear_loss {
 class biased_rows {
 public:
     biased_rows(feature_rows<> rows, double bias)
-        : count_(rows.size()), stride_(whole_lines(rows.features() + 1)), values_(count_ * stride_) {
+        : count_(rows.size()), stride_(pad_to_cache_line(rows.features() + 1)), values_(count_ * stride_) {
         for (std::size_t i = 0; i < count_; ++i) {
             std::copy_n(rows.row(i).begin(), rows.features(), values_.data() + i * stride_);
             values_[i * stride_ + rows.features()] = static_cast<float>(bias);

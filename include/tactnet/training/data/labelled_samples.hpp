@@ -38,22 +38,22 @@ concept range_of_arrays = std::is_same_v<typename range_element<Range>::value_ty
 /// A span whose elements outlive the expression that it is made of: a temporary container does not convert. A
 /// range of std::array becomes the span of all their elements.
 template <class T>
-class lasting_span : public std::span<T> {
+class borrowed_span : public std::span<T> {
 public:
-    constexpr lasting_span() = default;
-    constexpr lasting_span(T* elements, std::size_t size) : std::span<T>(elements, size) {}
+    constexpr borrowed_span() = default;
+    constexpr borrowed_span(T* elements, std::size_t size) : std::span<T>(elements, size) {}
     template <class Range>
-        requires lasting_range<Range> && std::is_convertible_v<Range, std::span<T>>
-    constexpr lasting_span(Range&& elements) : std::span<T>(elements) {}
+        requires borrowed_range<Range> && std::is_convertible_v<Range, std::span<T>>
+    constexpr borrowed_span(Range&& elements) : std::span<T>(elements) {}
     template <class Range>
-        requires lasting_range<Range> && detail::range_of_arrays<Range, std::remove_const_t<T>>
-    constexpr lasting_span(Range&& arrays)
+        requires borrowed_range<Range> && detail::range_of_arrays<Range, std::remove_const_t<T>>
+    constexpr borrowed_span(Range&& arrays)
         : std::span<T>(std::empty(arrays) ? nullptr : std::data(arrays)->data(),
                        std::size(arrays) * std::tuple_size_v<detail::range_element<Range>>) {}
     /// The elements of a temporary would be gone.
     template <class Range>
-        requires(!lasting_range<Range>)
-    lasting_span(const Range&&)
+        requires(!borrowed_range<Range>)
+    borrowed_span(const Range&&)
     = delete;
 };
 
@@ -80,13 +80,13 @@ struct images_as_taken {
     /// Writes a transformed image, reduced.
     using variation = void (*)(const image_transform&, const std::uint8_t* from, float* to);
 
-    lasting_span<const std::uint8_t> pixels{}; ///< one image after the other, in the order of the small ones
-    shape taken{}, seen{};                     ///< before and after they are reduced
-    variation vary = nullptr;                  ///< null if there are no larger images
+    borrowed_span<const std::uint8_t> pixels{}; ///< one image after the other, in the order of the small ones
+    shape taken{}, seen{};                      ///< before and after they are reduced
+    variation vary = nullptr;                   ///< null if there are no larger images
 
     /// Reduces as `resize` does: bicubic, with antialiasing.
     template <shape Taken, shape Seen>
-    [[nodiscard]] static images_as_taken of(lasting_span<const std::uint8_t> pixels) {
+    [[nodiscard]] static images_as_taken of(borrowed_span<const std::uint8_t> pixels) {
         return {pixels, Taken, Seen, &detail::vary_and_reduce<Taken, Seen>};
     }
     /// Whether there are larger images.
@@ -101,8 +101,8 @@ struct images_as_taken {
 /// Images of one size as 8-bit counts, and the class of each. The pixels are contiguous: a vector of bytes,
 /// or of a std::array for each image. A view.
 struct labelled_images {
-    lasting_span<const std::uint8_t> pixels;
-    lasting_span<const std::size_t> labels;
+    borrowed_span<const std::uint8_t> pixels;
+    borrowed_span<const std::size_t> labels;
     std::size_t classes = 0;
     images_as_taken taken{}; ///< the images that they were reduced from, if any
 
@@ -116,8 +116,8 @@ struct labelled_images {
 /// Features of samples, equally many for each and stored contiguously, and the class of each sample. Features
 /// are the outputs of other layers, for layers that are trained on top of them. A view.
 struct labelled_features {
-    lasting_span<const float> values;
-    lasting_span<const std::size_t> labels;
+    borrowed_span<const float> values;
+    borrowed_span<const std::size_t> labels;
     std::size_t classes = 0;
 };
 
@@ -199,4 +199,4 @@ private:
 }} // namespace tactnet
 
 template <class T>
-inline constexpr bool std::ranges::enable_borrowed_range<tactnet::lasting_span<T>> = true;
+inline constexpr bool std::ranges::enable_borrowed_range<tactnet::borrowed_span<T>> = true;

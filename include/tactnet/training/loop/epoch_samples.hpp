@@ -29,7 +29,7 @@ public:
           rule_(samples.are_images() ? how.augmentation : augmentation_rule::none),
           ranges_(how.ranges),
           samples_(samples),
-          taken_(how.varies_as_taken ? samples.taken() : images_as_taken{}),
+          taken_(how.augment_full_resolution ? samples.taken() : images_as_taken{}),
           chosen_(std::move(chosen)),
           seed_(seed),
           batch_(how.batch == 0 ? chosen_.size() : std::min(how.batch, size())) {

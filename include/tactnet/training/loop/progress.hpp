@@ -50,9 +50,9 @@ struct training_progress {
         return n;
     }
 
-    /// Restores the result of `numbers`. Throws std::invalid_argument if no training of at most `most_epochs`
+    /// Restores the result of `numbers`. Throws std::invalid_argument if no training of at most `max_epochs`
     /// with so many steps in each can have it.
-    [[nodiscard]] static training_progress from(std::span<const double> n, std::size_t most_epochs,
+    [[nodiscard]] static training_progress from(std::span<const double> n, std::size_t max_epochs,
                                                 std::size_t steps_per_epoch) {
         if (n.size() < 6 || (n.size() - 6) % 4 != 0)
             detail::throw_invalid_argument(
@@ -60,9 +60,9 @@ struct training_progress {
                  "found ",
                  n.size()});
         const std::size_t epochs = (n.size() - 6) / 4, steps = epochs * steps_per_epoch;
-        if (epochs > most_epochs)
+        if (epochs > max_epochs)
             detail::throw_invalid_argument(
-                {"progress of a training: expected at most ", most_epochs, " epochs, found ", epochs});
+                {"progress of a training: expected at most ", max_epochs, " epochs, found ", epochs});
         const auto require = [&](bool right, std::size_t index, const std::string& expected) {
             if (!right)
                 detail::throw_invalid_argument({"progress of a training, number ", index, ": expected ",

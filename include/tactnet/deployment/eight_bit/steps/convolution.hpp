@@ -46,16 +46,17 @@ public:
 
 private:
     // After the weights: starts, factors, weights of the other map, then three bytes.
-    static constexpr std::size_t of_filters =
-        whole_lines<std::int8_t>(method::filter_places * sizeof(std::int32_t));
-    static constexpr std::size_t starts = whole_lines<std::int8_t>(method::packed_elements),
-                                 factors = starts + of_filters, added = factors + of_filters,
-                                 bytes = added + (Kernel.adds ? of_filters : 0);
+    static constexpr std::size_t filter_array_bytes =
+        pad_to_cache_line<std::int8_t>(method::filter_places * sizeof(std::int32_t));
+    static constexpr std::size_t starts = pad_to_cache_line<std::int8_t>(method::packed_elements),
+                                 factors = starts + filter_array_bytes, added = factors + filter_array_bytes,
+                                 bytes = added + (Kernel.adds ? filter_array_bytes : 0);
     static constexpr std::size_t lowest = 0, zero = 1, padding = 2;
 
 public:
-    static constexpr std::size_t packed_elements = bytes + whole_lines<std::int8_t>(3);
-    static constexpr std::size_t workspace_elements = whole_lines<std::uint8_t>(method::workspace_elements);
+    static constexpr std::size_t packed_elements = bytes + pad_to_cache_line<std::int8_t>(3);
+    static constexpr std::size_t workspace_elements =
+        pad_to_cache_line<std::uint8_t>(method::workspace_elements);
 
     /// Also sets the scales of the weights, which follow from the ranges.
     static constexpr void set_ranges(float* to, const step_ranges& values) {

@@ -21,7 +21,7 @@ struct activation_step<eight_bit, Function, Map, Stride> : step_base<eight_bit, 
     /// A clamp keeps the range of its input.
     static constexpr folded_arrays arrays{range_array("input"), range_array("output", !clamps)};
     static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
-    static constexpr std::size_t packed_elements = whole_lines<std::int8_t>(clamps ? 1 : 256);
+    static constexpr std::size_t packed_elements = pad_to_cache_line<std::int8_t>(clamps ? 1 : 256);
 
     static constexpr void pack(const float* from, std::int8_t* to) {
         const auto [input, added, result] = arrays.read_ranges(from);
@@ -65,13 +65,13 @@ struct norm_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>
     static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
 
 private:
-    static constexpr std::size_t of_channels = whole_lines<std::int8_t>(Stride * sizeof(std::int32_t));
+    static constexpr std::size_t of_channels = pad_to_cache_line<std::int8_t>(Stride * sizeof(std::int32_t));
     static constexpr std::size_t starts = of_channels, factors = starts + of_channels,
                                  bytes = factors + of_channels;
     static constexpr std::size_t lowest = 0, zero = 1;
 
 public:
-    static constexpr std::size_t packed_elements = bytes + whole_lines<std::int8_t>(2);
+    static constexpr std::size_t packed_elements = bytes + pad_to_cache_line<std::int8_t>(2);
 
     static constexpr void pack(const float* from, std::int8_t* to) {
         const auto [input, added, result] = arrays.read_ranges(from);
@@ -98,11 +98,11 @@ public:
         const auto* const from = reinterpret_cast<const Input*>(in);
         for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride)
             for (std::size_t c = 0; c < Stride; ++c) {
-                const auto times = kernels::load_any<std::int32_t>(packed_values + 4 * c),
-                           start = kernels::load_any<std::int32_t>(packed_values + starts + 4 * c);
+                const auto times = kernels::load_bytes_as<std::int32_t>(packed_values + 4 * c),
+                           start = kernels::load_bytes_as<std::int32_t>(packed_values + starts + 4 * c);
                 kernels::store_rounded<1>(
                     out + pixel + c, kernels::int32_vec<1>{from[pixel + c] * times + start},
-                    kernels::load_any<kernels::float_vec<1>>(packed_values + factors + 4 * c), range);
+                    kernels::load_bytes_as<kernels::float_vec<1>>(packed_values + factors + 4 * c), range);
             }
     }
 };
@@ -121,7 +121,7 @@ private:
                                  of_step = of_part + sizeof(float), bytes = of_step + sizeof(float);
 
 public:
-    static constexpr std::size_t packed_elements = whole_lines<std::int8_t>(bytes + 2);
+    static constexpr std::size_t packed_elements = pad_to_cache_line<std::int8_t>(bytes + 2);
 
     static constexpr void pack(const float* from, std::int8_t* to) {
         const auto [input, added, result] = arrays.read_ranges(from);
@@ -137,10 +137,10 @@ public:
         const std::uint8_t input_zero = detail::load_byte(packed_values + bytes),
                            zero = detail::load_byte(packed_values + bytes + 1);
         // √(n · step + offset) = √step · √(n + offset ÷ step)
-        const float factor = std::sqrt(kernels::load_any<float>(packed_values + of_step)) *
-                             kernels::load_any<float>(packed_values + of_part);
+        const float factor = std::sqrt(kernels::load_bytes_as<float>(packed_values + of_step)) *
+                             kernels::load_bytes_as<float>(packed_values + of_part);
         kernels::roots_to_bytes(reinterpret_cast<const Input*>(in), Map.area() * Stride, input_zero,
-                                kernels::load_any<float>(packed_values + of_offset), factor,
+                                kernels::load_bytes_as<float>(packed_values + of_offset), factor,
                                 {zero, 255, zero}, out);
     }
 };

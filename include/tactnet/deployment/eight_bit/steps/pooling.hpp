@@ -37,7 +37,7 @@ private:
     static constexpr std::size_t input_zero = sizeof(float), zero = input_zero + 1; // after the factor
 
 public:
-    static constexpr std::size_t packed_elements = whole_lines<std::int8_t>(zero + 1);
+    static constexpr std::size_t packed_elements = pad_to_cache_line<std::int8_t>(zero + 1);
 
     static constexpr void pack(const float* from, std::int8_t* to) {
         const auto [input, added, result] = arrays.read_ranges(from);
@@ -48,7 +48,7 @@ public:
     }
     static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t*) noexcept {
-        const auto factor = kernels::load_any<float>(packed_values);
+        const auto factor = kernels::load_bytes_as<float>(packed_values);
         const std::uint8_t zero_of_input = detail::load_byte(packed_values + input_zero);
         const kernels::byte_range range{0, 255, detail::load_byte(packed_values + zero)};
         Windows.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t divisor) {

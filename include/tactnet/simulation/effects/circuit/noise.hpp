@@ -34,7 +34,7 @@ struct noise {
     public:
         /// Negative and NaN deviations count as zero.
         bound(const noise& effect, const mounting&) {
-            const double fixed = kept(effect.additive, most), share = kept(effect.relative, most_relative);
+            const double fixed = kept(effect.additive, most), share = kept(effect.relative, max_relative);
             none_ = fixed == 0 && share == 0;
             variance_ = static_cast<float>(fixed * fixed);
             // For a division, which no compiler fuses with a sum.
@@ -61,7 +61,7 @@ struct noise {
 
     private:
         // Limits of deviations and pressures, so that no square overflows.
-        static constexpr double most = 1e15, most_relative = 1e3;
+        static constexpr double most = 1e15, max_relative = 1e3;
 
         static double kept(double deviation, double limit) {
             return deviation > 0 ? std::min(deviation, limit) : 0;

@@ -28,7 +28,7 @@ struct gain_map {
             if (!(effect.deviation > 0))
                 return;
             // The variance of the logarithm for which the gain has this deviation and mean one.
-            const double variance = std::log1p(std::min(effect.deviation * effect.deviation, most_variance));
+            const double variance = std::log1p(std::min(effect.deviation * effect.deviation, max_variance));
             kernels::normal_numbers(where.unit.random(purpose))
                 .each(Shape.size(), [&](std::size_t tactel, float number) {
                     gains_[tactel] = static_cast<float>(
@@ -44,7 +44,7 @@ struct gain_map {
         void gains() const&& = delete; // would dangle
 
     private:
-        static constexpr double most_variance = 1e6; // keeps every gain finite
+        static constexpr double max_variance = 1e6; // keeps every gain finite
 
         std::array<float, Shape.size()> gains_;
     };

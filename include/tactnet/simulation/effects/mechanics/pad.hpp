@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/map/even_stencil.hpp>
+#include <tactnet/kernels/map/symmetric_stencil.hpp>
 #include <tactnet/simulation/effect.hpp>
 #include <tactnet/simulation/elasticity/layer_compliance.hpp>
 #include <tactnet/simulation/elasticity/radial_kernel.hpp>
@@ -61,10 +61,9 @@ struct elastic_pad {
     public:
         bound(const elastic_pad& effect, const mounting& where)
             : spreads_(effect.thickness > 1e-6 * where.cell),
-              stencil_(spreads_
-                           ? spread(effect.thickness / where.cell, effect.poisson)
-                           : kernels::even_stencil<Shape>(0, [](std::size_t, std::size_t) { return 1.0f; })) {
-        }
+              stencil_(spreads_ ? spread(effect.thickness / where.cell, effect.poisson)
+                                : kernels::symmetric_stencil<Shape>(
+                                      0, [](std::size_t, std::size_t) { return 1.0f; })) {}
 
         void apply(signal<Shape> pressures, const moment&) noexcept {
             if (spreads_)
@@ -73,7 +72,7 @@ struct elastic_pad {
 
     private:
         /// `thickness` in cells.
-        static kernels::even_stencil<Shape> spread(double thickness, double poisson) {
+        static kernels::symmetric_stencil<Shape> spread(double thickness, double poisson) {
             constexpr double account = 0.002;
             constexpr std::size_t longest = std::max(Shape.rows, Shape.columns) - 1, side = longest + 1;
             const pad_shares shares(thickness, poisson);
@@ -94,13 +93,13 @@ struct elastic_pad {
                     break;
             }
             const double scale = whole ? 1 / sum : 1; // else force leaves the array
-            return kernels::even_stencil<Shape>(radius, [&](std::size_t rows, std::size_t columns) {
+            return kernels::symmetric_stencil<Shape>(radius, [&](std::size_t rows, std::size_t columns) {
                 return static_cast<float>(quadrant[rows * side + columns] * scale);
             });
         }
 
         bool spreads_;
-        kernels::even_stencil<Shape> stencil_;
+        kernels::symmetric_stencil<Shape> stencil_;
     };
 };
 

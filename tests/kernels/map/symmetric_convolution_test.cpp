@@ -1,4 +1,4 @@
-#include <tactnet/kernels/map/even_convolution.hpp>
+#include <tactnet/kernels/map/symmetric_convolution.hpp>
 
 #include <doctest/doctest.h>
 
@@ -17,7 +17,7 @@ namespace {
 /// Stability of Numerical Algorithms, section 24.1).
 template <shape Shape>
 double error_in_roundings() {
-    using convolution = even_convolution<Shape>;
+    using convolution = symmetric_convolution<Shape>;
     std::uint64_t state = Shape.size();
     std::vector<double> kernel(Shape.size());
     for (double& each : kernel)
@@ -56,7 +56,7 @@ double error_in_roundings() {
     return worst / (std::numeric_limits<double>::epsilon() * influence * std::sqrt(squares));
 }
 
-TEST_CASE("even_convolution: the fast one is the sum written out") {
+TEST_CASE("symmetric_convolution: the fast one is the sum written out") {
     CHECK(error_in_roundings<shape{28, 50}>() < 20);
     CHECK(error_in_roundings<shape{1, 1}>() < 20);
     CHECK(error_in_roundings<shape{1, 9}>() < 20);
@@ -65,9 +65,9 @@ TEST_CASE("even_convolution: the fast one is the sum written out") {
     CHECK(error_in_roundings<shape{33, 65}>() < 20);
 }
 
-TEST_CASE("even_convolution: nothing wraps around the edges") {
+TEST_CASE("symmetric_convolution: nothing wraps around the edges") {
     constexpr shape size{5, 11};
-    using convolution = even_convolution<size>;
+    using convolution = symmetric_convolution<size>;
     convolution convolve;
     const auto spectrum =
         convolve.spectrum_of([](std::size_t y, std::size_t x) { return y == 4 || x == 10 ? 1.0 : 0.0; });

@@ -14,14 +14,14 @@
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Direct convolution of a map with few weights that are even in both directions, in place: faster than
-/// even_convolution for weights that cover some ten cells, and for maps with many empty rows.
+/// symmetric_convolution for weights that cover some ten cells, and for maps with many empty rows.
 ///
 ///     map(y, x) ← max(0, Σ weight(|i|, |j|) map(y + i, x + j)),    |i| ≤ radius.rows, |j| ≤ radius.columns.
 ///
 /// The map is padded with zeros. Negative values and NaN count as zero, infinite values as the largest
 /// number. The constructor allocates the workspace. Each thread needs an object of its own.
 template <shape Shape>
-class even_stencil {
+class symmetric_stencil {
     static constexpr std::size_t width = row_lanes<float>(Shape.columns),
                                  vectors = row_vectors(Shape.columns, width);
     using wide = sized_vector<float, width>;
@@ -31,7 +31,7 @@ class even_stencil {
 public:
     /// `weight(rows, columns)` is the weight at such a distance. A radius beyond the map is reduced.
     template <class Weight>
-    even_stencil(extent2d radius, const Weight& weight)
+    symmetric_stencil(extent2d radius, const Weight& weight)
         : radius_(std::min(radius.rows, Shape.rows - 1), std::min(radius.columns, Shape.columns - 1)),
           rows_(Shape.rows * row_size, 0.0f),
           pair_(row_size, 0.0f) {
@@ -91,7 +91,7 @@ private:
 #pragma GCC unroll 64
             for (std::size_t v = 0; v < Count; ++v)
                 sums[v] = fused_multiply_add(
-                    load_anywhere<wide>(from + row_vector_begin(first + v, Shape.columns, width)), weight,
+                    load_unaligned<wide>(from + row_vector_begin(first + v, Shape.columns, width)), weight,
                     sums[v]);
         }
     }

@@ -19,7 +19,7 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 /// `stride` apart, and zero between the last column and the next row. The constructor allocates the
 /// workspace; a convolution allocates nothing. Each thread needs an object of its own.
 template <shape Shape>
-class even_convolution {
+class symmetric_convolution {
     static constexpr std::size_t power_of_two(std::size_t least) {
         std::size_t power = 4;
         while (power < least)
@@ -37,7 +37,7 @@ public:
     /// A transformed kernel. The spectrum of a sum of kernels is the sum of their spectra.
     using spectrum = aligned_vector<double>;
 
-    even_convolution() : upright_(stride * tall), lying_(frequencies * wide) {}
+    symmetric_convolution() : upright_(stride * tall), lying_(frequencies * wide) {}
 
     /// `kernel(rows, columns)` is the influence of a cell on another so many rows and columns away.
     template <class Kernel>

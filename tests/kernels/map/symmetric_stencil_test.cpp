@@ -1,4 +1,4 @@
-#include <tactnet/kernels/map/even_stencil.hpp>
+#include <tactnet/kernels/map/symmetric_stencil.hpp>
 
 #include <doctest/doctest.h>
 
@@ -32,7 +32,7 @@ void compare(extent2d reach) {
         for (std::size_t x = 0; x < Shape.columns; ++x)
             map.data()[y * Shape.columns + x] = y % 4 < 2 ? std::abs(support::draw(state)) : 0;
     const std::vector<float> given(map.data(), map.data() + Shape.size());
-    even_stencil<Shape> stencil(reach, weight);
+    symmetric_stencil<Shape> stencil(reach, weight);
     stencil(map.data());
     CHECK(map.untouched());
     for (std::size_t y = 0; y < Shape.rows; ++y)
@@ -49,7 +49,7 @@ void compare(extent2d reach) {
         }
 }
 
-TEST_CASE("even_stencil: it is the sum written out") {
+TEST_CASE("symmetric_stencil: it is the sum written out") {
     compare<shape{28, 50}>(3);
     compare<shape{28, 50}>({27, 49});
     compare<shape{28, 50}>(0);
@@ -59,10 +59,11 @@ TEST_CASE("even_stencil: it is the sum written out") {
     compare<shape{9, 8}>({2, 7});
 }
 
-TEST_CASE("even_stencil: NaN and negative pressures count as zero, too large ones as the maximum") {
+TEST_CASE("symmetric_stencil: NaN and negative pressures count as zero, too large ones as the maximum") {
     constexpr float most = std::numeric_limits<float>::max();
     constexpr shape size{4, 20};
-    even_stencil<size> stencil(1, [](std::size_t i, std::size_t j) { return i + j == 0 ? 0.5f : 0.0625f; });
+    symmetric_stencil<size> stencil(1,
+                                    [](std::size_t i, std::size_t j) { return i + j == 0 ? 0.5f : 0.0625f; });
     std::vector<float> map(size.size(), 0.0f);
     map[0] = NAN, map[1] = -5, map[3] = 16, map[30] = INFINITY;
     stencil(map.data());
@@ -75,9 +76,9 @@ TEST_CASE("even_stencil: NaN and negative pressures count as zero, too large one
     CHECK(map[75] == 0);
 }
 
-TEST_CASE("even_stencil: negative weights leave nothing below zero") {
+TEST_CASE("symmetric_stencil: negative weights leave nothing below zero") {
     constexpr shape size{3, 9};
-    even_stencil<size> stencil({0, 1}, [](std::size_t, std::size_t j) { return j == 0 ? 2.0f : -0.5f; });
+    symmetric_stencil<size> stencil({0, 1}, [](std::size_t, std::size_t j) { return j == 0 ? 2.0f : -0.5f; });
     std::vector<float> map(size.size(), 0.0f);
     map[13] = 8;
     stencil(map.data());
