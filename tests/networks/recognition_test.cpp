@@ -89,7 +89,7 @@ TEST_CASE("recognition: a logit that is not finite gives no class, at any place"
     CHECK_FALSE(classify_probabilities({}, std::size_t{0}));
 }
 
-TEST_CASE("recognition: names, and further outputs that stand for nothing") {
+TEST_CASE("recognition: names, and further outputs are unused") {
     const std::vector<std::string> names{"cable", "mug"};
     const auto found = classify_logits(std::array{1.0f, 2.0f, 9.0f}, names);
     REQUIRE(found);

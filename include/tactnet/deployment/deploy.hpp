@@ -115,7 +115,7 @@ public:
         view_type::pack(folded_.data(), packed_.data());
     }
 
-    /// Names the classes, which the first outputs stand for, in order. Throws std::invalid_argument unless
+    /// Names the classes of the first outputs, in order. Throws std::invalid_argument unless
     /// there are 1 to `outputs` names.
     void set_classes(std::vector<std::string> names) {
         if (names.empty() || names.size() > outputs)
@@ -125,8 +125,7 @@ public:
     /// The names of the classes; empty if they have none.
     [[nodiscard]] std::span<const std::string> classes() const& noexcept { return classes_; }
     std::span<const std::string> classes() const&& = delete;
-    /// How many of the outputs stand for a class: the first ones, as many as there are names; all without
-    /// names.
+    /// The number of classes: of names, if there are any, otherwise of outputs. Further outputs are unused.
     [[nodiscard]] std::size_t class_count() const noexcept {
         return classes_.empty() ? outputs : classes_.size();
     }
@@ -162,17 +161,17 @@ public:
         return with_name(view().classify(frame));
     }
 
-    /// As of the view: what the last layer reads. A template, so that a network that cannot be lowered has no
-    /// error for this, too.
+    /// What the last layer reads, as read_features of the view. A template, so that a network that cannot be
+    /// lowered has no error for this, too.
     static constexpr std::size_t features = view_type::features;
     template <class View = view_type>
     void read_features(const workspace& memory, std::span<float, View::features> to) const noexcept {
         view().read_features(memory, to);
     }
 
-    /// Writes the outputs of many frames, one row per frame, on all threads of a pool. The bits are those of
-    /// each frame alone. Returns `not_finite` if one of the frames is broken. Throws std::invalid_argument
-    /// unless there is a row of outputs for each frame.
+    /// Writes the outputs of many frames, one row per frame, on all threads of a pool, bit-identical to
+    /// running each frame alone. Returns `not_finite` if one of the frames is broken. Throws
+    /// std::invalid_argument unless there is a row of outputs for each frame.
     ///
     /// A small network takes one frame after the other on each thread, or a few at a time if its weights
     /// exceed the second level of cache. A large one runs layer by layer over several frames, with all

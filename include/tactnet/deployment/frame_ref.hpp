@@ -96,9 +96,10 @@ concept frames_of = requires(const Frames& frames) {
 
 } // namespace detail
 
-/// A frame that someone else owns: bytes as the sensor counts, or floats, ordered [channel][row][column].
-/// Converts from what has the right shape, or as many elements: std::array, an array of C, a std::span of
-/// fixed size, `tensor`, `tensor_view`. For a std::vector or a dynamic std::span see `try_view`.
+/// A non-owning reference to one frame: bytes as the sensor counts, or floats, ordered
+/// [channel][row][column]. Converts from what has the right shape, or as many elements: std::array, a C
+/// array, a std::span of fixed size, `tensor`, `tensor_view`. For a std::vector or a dynamic std::span see
+/// `try_view`.
 template <shape Shape>
 class frame_ref {
 public:

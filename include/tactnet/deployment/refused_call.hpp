@@ -111,7 +111,7 @@ void refuse_outputs() {
                       "std::span<float, network::outputs>(outputs)");
 }
 
-/// Declared only: a call that no sentence below refuses does not link, rather than do nothing.
+/// Never defined: if no static_assert below fires, linking fails.
 template <class Result, class... Arguments>
 Result not_taken() noexcept;
 

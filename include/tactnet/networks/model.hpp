@@ -30,7 +30,7 @@ template <class Network>
 struct model {
     Network network;
     normalisation<Network::input_shape> normalise;
-    /// Names of the first outputs, in order: from 1 to Network::outputs. The other outputs stand for nothing.
+    /// Names of the first outputs, in order: from 1 to Network::outputs. Further outputs are unused.
     std::vector<std::string> classes;
 
     /// Logits of images stored one after the other: a row of Network::outputs for each. Throws

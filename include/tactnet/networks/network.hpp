@@ -86,8 +86,7 @@ public:
     static constexpr std::size_t multiply_adds = layers::multiply_adds;
     /// … and only those that fall on real pixels.
     static constexpr std::size_t multiply_adds_on_pixels = layers::multiply_adds_on_pixels;
-    /// The most bytes of activations alive at once while one sample passes layer by layer, input and output
-    /// included.
+    /// Peak activation memory of one sample in bytes, layer by layer, input and output included.
     static constexpr std::size_t activation_bytes =
         (Input.size() + layers::inner_activations + outputs) * sizeof(T);
     /// Bytes of all parameters and statistics.

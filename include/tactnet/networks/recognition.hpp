@@ -22,7 +22,7 @@ struct recognition {
     std::string_view name = {}; ///< a view of the caller's name of the class; empty where none was given
 };
 
-/// The index of the largest value, of equal ones the first. Skips NaN; 0 if there is no other value.
+/// The index of the largest value; ties go to the first. Skips NaN; 0 if there is no other value.
 [[nodiscard]] constexpr std::size_t first_largest(std::span<const float> values) noexcept {
     std::size_t best = values.size();
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -70,8 +70,8 @@ concept borrowed_names = borrowed_range<Names> && requires(const std::remove_ref
     std::string_view(names[names.size()]);
 };
 
-/// The class with the largest of the first `classes` logits, of equal ones the first, and its probability by
-/// a softmax in double. A network may have more outputs than classes; the others stand for nothing.
+/// The class with the largest of the first `classes` logits (ties go to the first), and its probability by a
+/// softmax in double. A network may have more outputs than classes; further outputs are unused.
 /// std::nullopt if there is no class, if there are fewer logits than classes, or if one of them is NaN or
 /// infinite.
 [[nodiscard]] inline std::optional<recognition> classify_logits(std::span<const float> logits,

@@ -43,7 +43,7 @@ inline namespace TACTNET_ARCH {
 @steps@
 using recogniser_type = tactnet::deployed_view<tactnet::shape{.rows = @rows@, .columns = @columns@, .channels = @channels@}, @chain@>;
 
-/// Names of the first outputs, in order. Outputs behind them stand for nothing.
+/// Names of the first outputs, in order. Further outputs are unused.
 inline constexpr std::array<std::string_view, @class count@> classes{
 @classes@};
 
@@ -61,7 +61,7 @@ inline constexpr std::array<std::uint8_t, recogniser_type::input_shape.size()> s
 inline constexpr std::array<float, recogniser_type::outputs> selftest_outputs{
 @frame outputs@};
 
-/// Whether compiler and processor still make of the frame what they should.
+/// Whether this build reproduces the recorded outputs of the frame.
 inline bool passes_selftest(@memory parameter@) noexcept {
     std::array<float, recogniser_type::outputs> outputs;
     if (recogniser.infer(selftest_frame, outputs@memory@) != tactnet::frame_status::ok)
@@ -95,7 +95,7 @@ inline const recogniser_type::packed_weights packed = recogniser_type::pack(fold
 /// Returns the text of a header that holds a deployed network. The header includes deployed_view.hpp and
 /// compiles without exceptions and run-time type information. In the chosen namespace it defines
 ///   recogniser      the network, a deployed_view
-///   classes         names of its first outputs, in order; further outputs have no meaning
+///   classes         names of its first outputs, in order; further outputs are unused
 ///   passes_selftest whether `frame`, some counts, still gives the outputs that it gives here, to 1e-4 of the
 ///                   largest
 /// A network that needs more workspace than a stack should hold takes it as a last argument, in calls of
@@ -103,19 +103,19 @@ inline const recogniser_type::packed_weights packed = recogniser_type::pack(fold
 /// finite.
 template <class Network, class Format>
 [[nodiscard]] std::string deployed_header(const deployed<Network, Format>& network,
-                                          const header_description& says,
+                                          const header_description& description,
                                           std::span<const std::uint8_t, Network::input_shape.size()> frame) {
     using deployed_type = deployed<Network, Format>;
     using view = typename deployed_type::view_type;
     constexpr shape input = Network::input_shape;
-    if (!is_namespace_name(says.namespace_name))
+    if (!is_namespace_name(description.namespace_name))
         throw std::invalid_argument(
-            "deployed_header: expected a namespace such as gripper::tactile, found '" + says.namespace_name +
-            "'");
-    if (says.classes.size() > deployed_type::outputs)
+            "deployed_header: expected a namespace such as gripper::tactile, found '" +
+            description.namespace_name + "'");
+    if (description.classes.size() > deployed_type::outputs)
         throw std::invalid_argument("deployed_header: expected at most " +
                                     std::to_string(deployed_type::outputs) + " class names, found " +
-                                    std::to_string(says.classes.size()));
+                                    std::to_string(description.classes.size()));
     std::array<float, deployed_type::outputs> outputs;
     const auto memory = std::make_unique<typename view::workspace>(); // may be more than a stack holds
     if (network.infer(frame, outputs, *memory) != frame_status::ok)
@@ -130,27 +130,27 @@ template <class Network, class Format>
         steps.include(Format::steps_header);
     for (const std::string& header : steps.includes())
         includes += "#include <" + header + ">\n";
-    for (const std::string& name : says.classes)
+    for (const std::string& name : description.classes)
         classes += "    " + detail::string_literal(name) + ",\n";
     const bool on_stack = view::workspace_bytes <= view::max_stack_bytes;
     const bool when_compiling =
-        says.when.value_or(usual_packing(view::folded_elements)) == packing::when_compiling;
+        description.when.value_or(usual_packing(view::folded_elements)) == packing::when_compiling;
     return detail::filled(
         detail::header_form,
-        {{"network", detail::one_line(says.network)},
+        {{"network", detail::one_line(description.network)},
          {"size", detail::size_of(input)},
          {"outputs", std::to_string(deployed_type::outputs)},
          {"parameters", std::to_string(Network::parameters)},
          {"folded", std::to_string(view::folded_elements - view::steps_folded)},
-         {"namespace", says.namespace_name},
+         {"namespace", description.namespace_name},
          {"includes", includes},
          {"steps", steps.definitions()},
          {"rows", std::to_string(input.rows)},
          {"columns", std::to_string(input.columns)},
          {"channels", std::to_string(input.channels)},
          {"chain", chain},
-         {"class count", std::to_string(says.classes.size())},
-         {"known", says.classes.empty() ? "" : ", classes.size()"},
+         {"class count", std::to_string(description.classes.size())},
+         {"known", description.classes.empty() ? "" : ", classes.size()"},
          {"classes", classes},
          {"numbers", detail::number_lines<float>(network.folded(), detail::float_literal)},
          {"count", std::to_string(view::folded_elements)},

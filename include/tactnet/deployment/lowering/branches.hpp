@@ -29,8 +29,8 @@ struct lowered_branch<Sequence, Stride, Offset> {
     using type = typename Sequence::template slice<Stride, Offset>;
 };
 
-/// The main branch of a residual block whose last step adds the skip. A branch that cannot is rejected here,
-/// and stands in for itself, so that the sentence comes alone.
+/// The main branch of a residual block whose last step adds the skip. A branch that cannot is rejected here
+/// and used unchanged, so that no further error follows.
 template <class Main, bool Rectified>
 auto adding_main() {
     static_assert(Main::can_add,

@@ -161,7 +161,7 @@ struct step_with_softmax : Step {
 template <class Step>
 struct step_description<step_with_softmax<Step>> {
     static constexpr void visit(auto&& to) {
-        to("tactnet::step_with_softmax", "Softmax of what that leaves",
+        to("tactnet::step_with_softmax", "Softmax of the outputs",
            inner_step<Step, composition::wrapper>{""});
     }
 };

@@ -119,8 +119,8 @@ namespace detail {
 //         }
 //     };
 //
-// The visitor gets the template's name, a title for people, and the template's arguments in order: values as
-// they are, types as std::type_identity, and the two kinds below.
+// The visitor gets the template's name, a human-readable title, and the template's arguments in order: values
+// as they are, types as std::type_identity, and the two kinds below.
 
 /// The description of a step, specialised next to the step.
 template <class Step>
