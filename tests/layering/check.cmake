@@ -1,6 +1,7 @@
 # Checks that the arrows between the library's rooms point one way.
 #
 # cmake -DROOT=<folder that holds tactnet/> -P check.cmake
+# cmake -DROOT=… -DPICTURES=<docs/pictures> -P check.cmake    checks the pictures of the rooms instead
 cmake_minimum_required(VERSION 3.22)
 get_filename_component(ROOT "${ROOT}" ABSOLUTE)
 
@@ -66,6 +67,11 @@ set(problems "")
 macro(problem text)
     string(APPEND problems "  ${text}\n")
 endmacro()
+
+if(PICTURES)
+    include("${CMAKE_CURRENT_LIST_DIR}/picture.cmake")
+    return()
+endif()
 
 file(GLOB_RECURSE headers RELATIVE "${ROOT}/tactnet" "${ROOT}/tactnet/*")
 if(NOT headers)
