@@ -117,6 +117,18 @@ nav:
 """
 
 
+def mended(text, folder):
+    """A page of the reference whose title leads back to the pages. Doxygen 1.9 links to concepts in a namespace detail, which
+    have no page, and to headings of nested classes that are not shown: these links go."""
+    def kept(found):
+        link, words = found.groups()
+        if link.startswith("#"):
+            return found[0] if f'name="{link[1:]}"' in text or f'id="{link[1:]}"' in text else words
+        return found[0] if (folder / link).exists() else words
+    text = re.sub(r'<a [^>]*href="(concept\w+\.html|#nested-classes)"[^>]*>([^<]*)</a>', kept, text)
+    return re.sub(r'(<div id="projectname">)([^<]*)', r'\1<a href="../index.html">\2</a>', text)
+
+
 style = """/* Wide tables scroll by themselves; the page never does. */
 .md-typeset table:not([class]) { display: block; overflow-x: auto; }
 .md-typeset picture img, .md-typeset img { height: auto; }
@@ -143,6 +155,8 @@ def main():
     if done.returncode != 0 or any("WARNING" in line or "ERROR" in line for line in problems):
         sys.exit("docs/site/make.py: MkDocs says:\n" + done.stderr)
     shutil.copytree(given.reference, out / "reference")
+    for file in (out / "reference").glob("*.html"):
+        file.write_text(mended(file.read_text(encoding="utf-8"), file.parent), encoding="utf-8")
     written = set()
     while sources - written: # a folder leads to further files
         path = (sources - written).pop()
