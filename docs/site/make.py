@@ -22,7 +22,8 @@ link = re.compile(r"(\]\(|(?:href|src|srcset)=\")([^)\"\s#]*)((?:#[^)\"\s]*)?)")
 def pages():
     """Every page, by its path in the repository."""
     found = [root / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")]
-    found += sorted(root.glob("docs/*.md")) + [root / "examples/README.md"]
+    found += [page for page in sorted(root.glob("docs/**/*.md")) if page.parent.name not in ("reference", "study")]
+    found += [root / "examples/README.md"]
     return [page.relative_to(root) for page in found if page.exists()]
 
 

@@ -28,7 +28,7 @@ if(NOT CHECK)
     if(NOT status EQUAL 0)
         message(FATAL_ERROR "tables.cmake: ${archive} could not be written.")
     endif()
-    file(COPY "${RESULTS}/accuracy_and_time.png" DESTINATION "${ROOT}/docs/pictures")
+    execute_process(COMMAND "${ROOT}/scripts/pictures" accuracy_and_time COMMAND_ERROR_IS_FATAL ANY)
 endif()
 
 # What stands in a text between the comments `<!-- study NAME -->` and `<!-- study NAME ends -->`, both included.

@@ -1,6 +1,6 @@
 // tactnet_costs: what the paper's networks cost at each of the 836 sizes from 7 x 13 to 28 x 50, found when
-// this is compiled, without making a layer. Writes CSV to standard output, a line a network and size;
-// heat_map.gnuplot draws it. Copy it, and put in networks of your own.
+// this is compiled, without making a layer. Writes CSV to standard output, a line per network and size, which
+// docs/pictures/source/costs.gnuplot draws. Copy it, and put in networks of your own.
 
 #include <tactnet/networks/costs.hpp>
 #include <tactnet/networks/tactnet4.hpp>

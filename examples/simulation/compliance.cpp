@@ -1,10 +1,9 @@
 // How much the sensor gives way, and what of it reaches the images: simulated touches of the paper's 22
 // classes on a rigid, a semi-rigid and a flexible sensor, the same objects pressed alike. Writes CSV to
-// standard output, a line an image, with the two numbers of the paper's histograms; compliance.gnuplot draws
-// them.
+// standard output, a line per image, with the two numbers of the paper's histograms, which
+// docs/pictures/source/compliance.gnuplot draws.
 //
 //     tactnet_compliance [IMAGES_PER_CLASS] > compliance.csv
-//     gnuplot -c compliance.gnuplot compliance.csv compliance.png
 
 #include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/simulation/contact/bonded_layer.hpp>

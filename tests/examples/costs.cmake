@@ -21,10 +21,17 @@ foreach(expected IN ITEMS "tactnet4,28,50,25862," "tactnet6,28,50,104518," "tact
     endif()
 endforeach()
 if(gnuplot)
-    execute_process(COMMAND "${gnuplot}" -c "${script}" "${folder}/costs.csv" "${folder}/costs.png" RESULT_VARIABLE status)
-    file(SIZE "${folder}/costs.png" size)
+    get_filename_component(source "${script}" DIRECTORY)
+    execute_process(
+        COMMAND "${gnuplot}" -e "theme='light'; folder='${folder}'; costs='${folder}/costs.csv'" "${script}"
+        WORKING_DIRECTORY "${source}" RESULT_VARIABLE status
+    )
+    set(size 0)
+    if(EXISTS "${folder}/costs.svg")
+        file(SIZE "${folder}/costs.svg" size)
+    endif()
     if(NOT status EQUAL 0 OR size LESS 10000)
-        message(FATAL_ERROR "heat_map.gnuplot: expected a picture, found exit status ${status} and ${size} bytes")
+        message(FATAL_ERROR "${script}: expected a picture, found exit status ${status} and ${size} bytes")
     endif()
 else()
     message(STATUS "The heat map is left out: there is no gnuplot.")

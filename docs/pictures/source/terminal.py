@@ -17,12 +17,12 @@ ground, ink, quiet = "#0d1117", "#d6dce3", "#9aa4af" # the same in both themes: 
 cell, line = 8.4, 17
 
 
-def record(command, columns, rows, standard_input=None):
+def record(command, columns, rows, standard_input=None, cwd=None):
     """Runs a program in a terminal. Returns what it wrote, in pieces with their seconds, and its exit status."""
     master, slave = pty.openpty()
     fcntl.ioctl(slave, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
     source = subprocess.PIPE if standard_input is not None else subprocess.DEVNULL
-    child = subprocess.Popen([str(word) for word in command], stdin=source, stdout=slave, stderr=slave)
+    child = subprocess.Popen([str(word) for word in command], stdin=source, stdout=slave, stderr=slave, cwd=cwd)
     os.close(slave)
     if standard_input is not None and os.fork() == 0: # feeds it, since it may write before it has read all
         try:
@@ -126,18 +126,17 @@ def parts_of(cells):
     return parts
 
 
-def animate(pieces, columns, rows, prompt="", pause=0.1, speed=1, hold=3, begin=0, end=1e9):
+def animate(pieces, columns, rows, title, prompt="", pause=0.1, speed=1, hold=3):
     """The recording as SVG, shown again and again. Screens that last less than `pause` seconds are left out, `speed` makes
-    it faster, `hold` is for how long the last one stays; `begin` and `end` cut it. A command stands above as `prompt`."""
+    it faster, `hold` is for how long the last one stays. `title` stands above the terminal, a command in it as `prompt`."""
+    begin = 0 if prompt else pieces[0][0]
     terminal, states = screen(columns, rows), []
     if prompt:
         terminal.write(f"$ {prompt}\r\n")
     states.append((begin, parts_of(terminal.cells)))
     for when, piece in pieces:
-        if when > end:
-            break
         terminal.write(piece.decode("utf-8", "replace"))
-        if when < begin:
+        if when <= begin:
             states[0] = (begin, parts_of(terminal.cells))
         elif when - states[-1][0] < pause * speed and len(states) > 1:
             states[-1] = (states[-1][0], parts_of(terminal.cells))
@@ -163,11 +162,13 @@ def animate(pieces, columns, rows, prompt="", pause=0.1, speed=1, hold=3, begin=
         rules.append(f"@keyframes k{number}{{{steps}}}")
         state = "visible" if b >= 100 else "hidden" # of who wants no movement: the last screen
         body.append(part.replace(" ", f' visibility="{state}" style="animation-name:k{number}" ', 1))
-    width, height = columns * cell + 24, rows * line + 20
+    width, height = columns * cell + 24, rows * line + 44
     style = "image{image-rendering:pixelated}text,image{animation:" + f"{length:.1f}s step-end infinite" + "}" + \
         "@media(prefers-reduced-motion:reduce){text,image{animation:none!important}}" + "".join(rules)
     content = "\n".join(body)
     return (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height}" viewBox="0 0 {width:.0f} {height}" '
             f'font-family="ui-monospace, Menlo, Consolas, \'DejaVu Sans Mono\', monospace" font-size="14" fill="{ink}" '
             f'xml:space="preserve">\n<style>{style}</style>\n<rect width="100%" height="100%" rx="8" fill="{ground}"/>\n'
-            f"{content}\n</svg>\n")
+            f'<text x="{width / 2:.0f}" y="19" text-anchor="middle" font-size="12.5" fill="{quiet}" style="animation:none" '
+            f'font-family="Helvetica, Arial, sans-serif">{html.escape(title)}</text>\n<g transform="translate(0 22)">\n'
+            f"{content}\n</g>\n</svg>\n")
