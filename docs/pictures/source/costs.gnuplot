@@ -2,9 +2,9 @@
 # tactnet_costs prints.
 load "style.gnuplot"
 eval begin("costs", 640, 480)
-set multiplot layout 2,2 margins 0.095,0.86,0.18,0.95 spacing 0.055,0.14
+set multiplot layout 2,2 margins 0.095,0.86,0.18,0.935 spacing 0.055,0.14
 # Viridis (van der Walt and Smith, 2015), which has the same order of lightness for everyone.
-set palette defined (0 "#fde725", 0.25 "#5ec962", 0.5 "#21918c", 0.75 "#3b528b", 1 "#440154")
+set palette maxcolors 48 defined (0 "#fde725", 0.25 "#5ec962", 0.5 "#21918c", 0.75 "#3b528b", 1 "#440154")
 set logscale cb
 set cbrange [4e4:8e7]
 set cbtics ("0.1 M" 1e5, "1 M" 1e6, "10 M" 1e7)
@@ -27,7 +27,7 @@ do for [n = 1:4] {
     if (n % 2 == 1) { set ylabel "rows" offset 1 tc rgb ink } else { unset ylabel }
     if (n > 2) { set xlabel "columns" offset 0,0.4 tc rgb ink } else { unset xlabel }
     if (n == 4) {
-        set colorbox user origin 0.885,0.18 size 0.025,0.77 noborder
+        set colorbox user origin 0.885,0.18 size 0.025,0.755 noborder
         eval note("Colour: multiply-adds per frame (log scale). Circles: sizes of the paper.")
     } else {
         unset colorbox

@@ -1,5 +1,6 @@
 """Recordings of programs in a terminal, as SVG that moves: what a program writes to a terminal, and when."""
 import base64
+import codecs
 import fcntl
 import html
 import os
@@ -46,7 +47,7 @@ def record(command, columns, rows, standard_input=None, cwd=None):
 
 
 class screen:
-    """As much of a terminal as the programs use: line ends, positions, erasing and colours of 24 bits."""
+    """As much of a terminal as the programs use: lines, positions, erasing and colours of 24 bits."""
 
     def __init__(self, columns, rows):
         self.columns, self.rows = columns, rows
@@ -57,23 +58,27 @@ class screen:
 
     def write(self, text):
         text, self.rest = self.rest + text, ""
-        place = 0
-        for found in re.finditer(r"\x1b\[([\d;]*)([A-Za-z])|\x1b[^\[]?|\x1b\[[\d;]*$|[^\x1b]", text):
-            place = found.end()
+        for found in re.finditer(r"\x1b\[([\d;]*)([A-Za-z])|\x1b.*|[^\x1b]", text, re.S):
             if found[2]:
                 self.obey([int(n or 0) for n in found[1].split(";")], found[2])
             elif found[0].startswith("\x1b"):
                 self.rest = found[0] # its end comes with the next piece
             elif found[0] == "\n":
-                self.row += 1
-                if self.row == self.rows:
-                    self.row -= 1
-                    self.cells = self.cells[1:] + [[(" ", None, None)] * self.columns]
+                self.feed()
             elif found[0] == "\r":
                 self.column = 0
-            elif self.column < self.columns:
+            else:
+                if self.column == self.columns:
+                    self.feed()
+                    self.column = 0
                 self.cells[self.row][self.column] = (found[0], self.front, self.back)
                 self.column += 1
+
+    def feed(self):
+        self.row += 1
+        if self.row == self.rows:
+            self.row -= 1
+            self.cells = self.cells[1:] + [[(" ", None, None)] * self.columns]
 
     def obey(self, numbers, letter):
         blank = (" ", None, None)
@@ -97,11 +102,11 @@ class screen:
 
 def image_of(rows):
     """Half blocks as pixels, two rows of them per row of characters: a PNG file with a palette."""
-    pixels = [[cell_[1 + half] or (0, 0, 0) for cell_ in row] for row in rows for half in (0, 1)]
+    # Half of the bits of a colour are enough to the eye, and take half of the file.
+    pixels = [[tuple(c & 0xf0 for c in cell_[1 + half] or (0, 0, 0)) for cell_ in row] for row in rows for half in (0, 1)]
     palette = sorted({colour for row in pixels for colour in row})
-    if len(palette) > 256: # the lowest bits of a colour are not seen
-        pixels = [[tuple(c & 0xf8 for c in colour) for colour in row] for row in pixels]
-        palette = sorted({colour for row in pixels for colour in row})
+    if len(palette) > 256:
+        raise ValueError(f"expected at most 256 colours on a screen, found {len(palette)}")
     number = {colour: i for i, colour in enumerate(palette)}
     return png_of([[number[colour] for colour in row] for row in pixels], palette)
 
@@ -130,12 +135,12 @@ def animate(pieces, columns, rows, title, prompt="", pause=0.1, speed=1, hold=3)
     """The recording as SVG, shown again and again. Screens that last less than `pause` seconds are left out, `speed` makes
     it faster, `hold` is for how long the last one stays. `title` stands above the terminal, a command in it as `prompt`."""
     begin = 0 if prompt else pieces[0][0]
-    terminal, states = screen(columns, rows), []
+    terminal, states, decoder = screen(columns, rows), [], codecs.getincrementaldecoder("utf-8")("replace")
     if prompt:
         terminal.write(f"$ {prompt}\r\n")
     states.append((begin, parts_of(terminal.cells)))
     for when, piece in pieces:
-        terminal.write(piece.decode("utf-8", "replace"))
+        terminal.write(decoder.decode(piece))
         if when <= begin:
             states[0] = (begin, parts_of(terminal.cells))
         elif when - states[-1][0] < pause * speed and len(states) > 1:
@@ -163,12 +168,12 @@ def animate(pieces, columns, rows, title, prompt="", pause=0.1, speed=1, hold=3)
         state = "visible" if b >= 100 else "hidden" # of who wants no movement: the last screen
         body.append(part.replace(" ", f' visibility="{state}" style="animation-name:k{number}" ', 1))
     width, height = columns * cell + 24, rows * line + 44
-    style = "image{image-rendering:pixelated}text,image{animation:" + f"{length:.1f}s step-end infinite" + "}" + \
+    style = "text{white-space:pre}image{image-rendering:pixelated}text,image{animation:" + f"{length:.1f}s step-end infinite" + "}" + \
         "@media(prefers-reduced-motion:reduce){text,image{animation:none!important}}" + "".join(rules)
     content = "\n".join(body)
     return (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height}" viewBox="0 0 {width:.0f} {height}" '
-            f'font-family="ui-monospace, Menlo, Consolas, \'DejaVu Sans Mono\', monospace" font-size="14" fill="{ink}" '
-            f'xml:space="preserve">\n<style>{style}</style>\n<rect width="100%" height="100%" rx="8" fill="{ground}"/>\n'
+            f'font-family="ui-monospace, Menlo, Consolas, \'DejaVu Sans Mono\', monospace" font-size="14" fill="{ink}">\n'
+            f'<style>{style}</style>\n<rect width="100%" height="100%" rx="8" fill="{ground}"/>\n'
             f'<text x="{width / 2:.0f}" y="19" text-anchor="middle" font-size="12.5" fill="{quiet}" style="animation:none" '
             f'font-family="Helvetica, Arial, sans-serif">{html.escape(title)}</text>\n<g transform="translate(0 22)">\n'
             f"{content}\n</g>\n</svg>\n")
