@@ -47,7 +47,8 @@ def stage(page, known, folder, sources):
                 path = pathlib.Path(os.path.normpath(page.parent / target))
                 if path in known:
                     # MkDocs changes the links of Markdown, and leaves HTML as it is.
-                    return found[0] if begin == "](" else begin + re.sub(r"\.md$", ".html", target) + anchor
+                    page_name = re.sub(r"README\.md$", "index.md", target)
+                    return found[0] if begin == "](" else begin + re.sub(r"\.md$", ".html", page_name) + anchor
                 if path.suffix in (".svg", ".png", ".gif"):
                     return found[0]
                 sources.add(path)
@@ -83,11 +84,17 @@ def source_page(path, sources):
 
 def settings(folder, out, known, version):
     """MkDocs' settings: the theme follows the reader's light or dark setting, as the pictures do."""
-    titles = {page: re.search(r"^# (.*)", (root / page).read_text(encoding="utf-8"), re.M)[1] for page in known}
+    titles = {page: re.search(r"^# (.*)", (root / page).read_text(encoding="utf-8"), re.M)[1].replace("`", "") for page in known}
     first = [pathlib.Path(os.path.normpath(f"docs/{name}")) for name in order()]
     listed = [page for page in dict.fromkeys(first) if page in known]
     listed += [page for page in known if page not in listed and str(page) not in ("README.md", "docs/README.md")]
-    nav = "".join(f"  - {titles[page]!r}: {page}\n" for page in listed)
+    nav = ""
+    for page in listed:
+        if pathlib.Path(f"{page.parent}.md") in listed: # docs/numerics/… stand below docs/numerics.md
+            continue
+        parts = [other for other in listed if other.parent == page.with_suffix("")]
+        nav += f"  - {titles[page]!r}: {page}\n" if not parts else f"  - {titles[page]!r}:\n" + "".join(
+            f"      - {titles[part]!r}: {part}\n" for part in [page, *parts])
     return f"""site_name: tactnet {version}
 docs_dir: {folder}
 site_dir: {out}
@@ -132,7 +139,9 @@ def mended(text, folder):
 
 style = """/* Wide tables scroll by themselves; the page never does. */
 .md-typeset table:not([class]) { display: block; overflow-x: auto; }
-.md-typeset picture img, .md-typeset img { height: auto; }
+.md-typeset img { height: auto; }
+/* Lines of code have up to 120 columns. */
+.md-grid { max-width: 80rem; }
 """
 
 
