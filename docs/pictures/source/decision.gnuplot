@@ -43,33 +43,33 @@ reset
 
 if (!exists("diagram")) { exit }
 load "style.gnuplot"
-set datafile missing NaN
 eval begin("reliability", 640, 560)
 set lmargin 11
 set rmargin 3
 set xrange [0:1]
 set xtics 0, 0.2
 set multiplot
-set size 1,0.7
-set origin 0,0.3
+set size 1,0.66
+set origin 0,0.34
 set tmargin 1
 set bmargin 2
 set ylabel "share that is right"
 set yrange [0:1]
 set ytics 0, 0.2
 set key left top
+enough = 10 # of fewer images a share says little
 plot x with lines lc rgb quiet dt (6,4) title "calibrated", \
-    diagram skip 1 using 1:2 with linespoints pt 6 ps 0.8 lw 2 lc rgb orange title "softmax", \
-    "" skip 1 using 4:5 with linespoints pt 7 ps 0.8 lw 2 lc rgb blue title "after temperature scaling"
-set size 1,0.3
+    diagram skip 1 using ($3 >= enough ? $1 : NaN):2 with linespoints pt 6 ps 0.8 lw 2 lc rgb orange title "softmax", \
+    "" skip 1 using ($6 >= enough ? $4 : NaN):5 with linespoints pt 7 ps 0.8 lw 2 lc rgb blue title "after temperature scaling"
+set size 1,0.34
 set origin 0,0
 set tmargin 0.5
 set bmargin 5
 set xlabel "probability of the recognised class"
 set ylabel "images"
 set yrange [0:*]
-set ytics 0, 1000
+set ytics 0, 2000
 unset key
-eval note("TactNet-6 at 28×50; 4400 test images of 20 blocked splits of the paper's 1100 images.")
+eval note("TactNet-6 at 28×50; 4400 test images of 20 blocked splits; points of at least ".enough." images.")
 plot diagram skip 1 using ($1 - 0.008):3 with impulses lw 6 lc rgb orange, \
     "" skip 1 using ($4 + 0.008):6 with impulses lw 6 lc rgb blue

@@ -24,6 +24,19 @@ def one_path(found):
     return f"<path stroke='none' fill='{colour[1]}'{opacity} d='{''.join(corners)}'/>"
 
 
+def one_path_of_marks(found):
+    """Neighbouring dots or crosses of one size and colour as one path."""
+    mark, scale, colour = re.search(r"#gpPt(\d)'.*scale\(([\d.]+)\)' color='(#\w+)'", found[1]).groups()
+    places = re.findall(r"translate\(([\d.]+),([\d.]+)\)", found[0])
+    if mark == "6": # a line without length and with round ends
+        return f"<path stroke='{colour}' stroke-width='{2.18 * float(scale):.2f}' stroke-linecap='round' d='" + \
+            "".join(f"M{x} {y}h0" for x, y in places) + "'/>"
+    r = float(scale)
+    return f"<path stroke='{colour}' stroke-width='{0.3 * r:.2f}' d='" + "".join(
+        f"M{float(x) - r:.2f} {float(y) - r:.2f}l{2 * r:.2f} {2 * r:.2f}m0-{2 * r:.2f}l-{2 * r:.2f} {2 * r:.2f}"
+        for x, y in places) + "'/>"
+
+
 def tidy(text):
     """What gnuplot and Graphviz write, without what draws nothing: a fifth of the size."""
     text = re.sub(r"<!--.*?-->|<desc>.*?</desc>|<title>(Gnuplot|gnuplot_plot_\w*|%0)</title>", "", text, flags=re.S)
@@ -39,6 +52,8 @@ def tidy(text):
                       r"<text \1 \2>\3</text>", text)
         text = re.sub(r"<polygon (fill = '#\w+'(?: fill-opacity = '[\d.]+')?) [^>]*/>(\s*<polygon \1 points[^>]*/>)+",
                       one_path, text)
+        text = re.sub(r"(<use xlink:href='#gpPt[16]' transform='translate\([\d.,]+\) (scale\([\d.]+\)' color='#\w+')/>)"
+                      r"(\s*<use xlink:href='#gpPt[16]' transform='translate\([\d.,]+\) \2/>)+", one_path_of_marks, text)
         text = re.sub(r'<g color="\w+" stroke="currentColor">\s*(<text [^<]*</text>)\s*</g>', r"\1", text)
         text = text.replace("<svg", '<svg font-family="Helvetica, Arial, sans-serif" fill="none"', 1)
         text = text.replace("<defs>", "<style>text{stroke:none}image{image-rendering:pixelated}</style>\n<defs>", 1)
