@@ -70,7 +70,7 @@ def source_page(path, sources):
         entries = sorted(p for p in (root / path).iterdir() if not p.name.startswith("."))
         sources.update(p.relative_to(root) for p in entries)
         body = "<ul>" + "".join(
-            f'<li><a href="{path.name}/{p.name}.html">{html.escape(p.name)}{"/" if p.is_dir() else ""}</a></li>' for p in entries) + "</ul>"
+            f'<li><a href="{path.name}/{p.name}.html">{html.escape(p.name)}{"/" * p.is_dir()}</a></li>' for p in entries) + "</ul>"
     else:
         try:
             body = f"<pre>{html.escape((root / path).read_text(encoding='utf-8'))}</pre>"

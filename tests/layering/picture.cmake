@@ -8,7 +8,7 @@
 function(read_titles picture result)
     file(READ "${PICTURES}/${picture}" text)
     string(REGEX REPLACE "[][;]" " " text "${text}")
-    string(REPLACE "&#45 &gt " "->" text "${text}")
+    string(REPLACE "&gt " ">" text "${text}")
     string(REGEX MATCHALL "<title>[^<]*</title>\n<path[^>]*dasharray|<title>[^<]*</title>" titles "${text}")
     list(TRANSFORM titles REPLACE "<title>([^<]*)</title>" "\\1 ")
     set(${result} "${titles}" PARENT_SCOPE)

@@ -43,7 +43,7 @@ set logscale x
 set xrange [0.2:3e4]
 set xtics ("1 µs" 1, "10 µs" 10, "100 µs" 1e2, "1 ms" 1e3, "10 ms" 1e4)
 set xlabel "time per frame (log scale)"
-set yrange [-0.6:10.6] reverse
+set yrange [-0.6:10.6]
 set ytics scale 0
 set border 1
 set lmargin 25
@@ -56,5 +56,7 @@ array by = ["tactnet, 8 bits", "tactnet", "oneDNN", "OpenCV", "PyTorch"]
 array hue = [blue, blue, purple, orange, green]
 array mark = [6, 7, 2, 5, 8]
 last = 10 # the row on which the names stand
-plot for [i = 1:5] inference using i + 2:0:yticlabels(strcol(1)." · ".strcol(2)." M") with points pt mark[i] ps 0.85 lw 2 lc rgb hue[i], \
-    for [i = 1:5] "" using i + 2:($0 == last ? $0 : NaN):(by[i]) with labels left rotate by 65 offset 0.2,0.7 tc rgb hue[i] font ",14"
+plot for [i = 1:5] inference using i + 2:0:yticlabels(strcol(1)." · ".strcol(2)." M") \
+        with points pt mark[i] ps 0.85 lw 2 lc rgb hue[i], \
+    for [i = 1:5] "" using i + 2:($0 == last ? $0 : NaN):(by[i]) \
+        with labels left rotate by 65 offset 0.2,0.7 tc rgb hue[i] font ",14"

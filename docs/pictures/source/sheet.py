@@ -1,5 +1,6 @@
 """Sheets of pressure images with labels, as SVG: reads the PNG files that the example programs write."""
 import base64
+import math
 import struct
 import zlib
 
@@ -44,18 +45,14 @@ def chunk(name, data):
     return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
 
-def png_of(rows, palette=None):
-    """A PNG file of 8 bits per pixel: numbers of colours in a palette, or grey."""
+def png_of(rows, palette=None, clear=None):
+    """A PNG file of 8 bits per pixel: numbers of colours in a palette, of which `clear` is transparent, or grey."""
     raw = b"".join(b"\0" + bytes(row) for row in rows)
     header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 3 if palette else 0, 0, 0, 0)
     colours = chunk(b"PLTE", b"".join(map(bytes, palette))) if palette else b""
+    if clear is not None:
+        colours += chunk(b"tRNS", b"\xff" * clear + b"\0")
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + colours + chunk(b"IDAT", zlib.compress(raw, 9)) + chunk(b"IEND", b"")
-
-
-def coloured(levels, steps=64):
-    """A PNG file of pressures between 0 and 1, light ones lifted: a hand presses a tenth of what a key does."""
-    return png_of([[round(level ** 0.6 * (steps - 1)) for level in row] for row in levels],
-                  [colour_of(i / (steps - 1)) for i in range(steps)])
 
 
 def tactels(rows, column, row=0, zoom=2, gap=8, shape=(28, 50)):
@@ -66,47 +63,57 @@ def tactels(rows, column, row=0, zoom=2, gap=8, shape=(28, 50)):
 
 
 class sheet:
-    """Rows of cells with a label above each; a cell is one image or several side by side."""
+    """Rows of cells with a label above each; a cell is one image or several side by side. All images are one picture, whose
+    pixels are the tactels."""
+
+    width, gap, inner_gap, steps = 640, 4, 2, 32
 
     def __init__(self, columns, colours, images=1, font=14):
-        self.columns, self.colours, self.images, self.font = columns, colours, images, font
-        self.width, self.cell = 640, (640 + 8) / columns
-        self.image_width = (self.cell - 8 - 4 * (images - 1)) / images
-        self.image_height = self.image_width * 28 / 50
-        self.row = self.image_height + font + 14
-        self.parts, self.count = [], 0
+        self.columns, self.colours, self.font = columns, colours, font
+        self.cell = images * (50 + self.inner_gap) - self.inner_gap # in tactels, as what follows
+        self.across = columns * (self.cell + self.gap) - self.gap
+        self.tactel = self.width / self.across # in pixels of the page
+        self.label = math.ceil((font + 6) / self.tactel)
+        self.row = self.label + 28 + math.ceil(6 / self.tactel)
+        self.parts, self.pixels, self.count = [], [], 0
 
     def place(self):
         """Where the next cell is."""
-        at = (self.count % self.columns * self.cell, self.count // self.columns * self.row)
+        at = (self.count % self.columns * (self.cell + self.gap), self.count // self.columns * self.row)
         self.count += 1
+        while len(self.pixels) < at[1] + self.row:
+            self.pixels.append([self.steps] * self.across) # transparent
         return at
 
     def add(self, label, *images):
+        """Images of pressures between 0 and 1, light ones lifted: a hand presses a tenth of what a key does."""
         x, y = self.place()
-        middle = x + (self.cell - 8) / 2
-        self.parts.append(f'<text x="{middle:.1f}" y="{y + self.font:.1f}">{label}</text>')
-        for i, levels in enumerate(images):
-            data = base64.b64encode(coloured(levels)).decode()
-            self.parts.append(
-                f'<image x="{x + i * (self.image_width + 4):.1f}" y="{y + self.font + 6:.1f}" width="{self.image_width:.1f}" '
-                f'height="{self.image_height:.1f}" preserveAspectRatio="none" href="data:image/png;base64,{data}"/>')
+        self.parts.append(f'<text x="{(x + self.cell / 2) * self.tactel:.1f}" '
+                          f'y="{(y + self.label) * self.tactel - 5:.1f}">{label}</text>')
+        for number, levels in enumerate(images):
+            left = x + number * (50 + self.inner_gap)
+            for line, row in enumerate(levels):
+                self.pixels[y + self.label + line][left:left + 50] = [round(level ** 0.6 * (self.steps - 1)) for level in row]
 
     def add_scale(self, low="0", high="255 counts"):
         """A bar of the colours in a cell of its own."""
-        x, y = self.place()
+        x, y = (length * self.tactel for length in self.place())
         stops = "".join(f'<stop offset="{i / 5}" stop-color="#{r:02x}{g:02x}{b:02x}"/>' for i, (r, g, b) in enumerate(inferno))
-        wide, top = self.cell - 8, y + self.font + 6 + self.image_height / 2 - 10
+        wide, top = self.cell * self.tactel, y + (self.label + 10) * self.tactel
         self.parts.append(
             f'<linearGradient id="inferno">{stops}</linearGradient><rect x="{x:.1f}" y="{top:.1f}" width="{wide:.1f}" height="14" '
             f'fill="url(#inferno)"/><text x="{x:.1f}" y="{top + 16 + self.font:.1f}" text-anchor="start">{low}</text>'
             f'<text x="{x + wide:.1f}" y="{top + 16 + self.font:.1f}" text-anchor="end">{high}</text>')
 
     def svg(self, note=""):
-        height = -(-self.count // self.columns) * self.row + (22 if note else 0)
+        below = len(self.pixels) * self.tactel
+        height = below + (20 if note else 0)
+        palette = [colour_of(i / (self.steps - 1)) for i in range(self.steps)] + [(0, 0, 0)]
+        data = base64.b64encode(png_of(self.pixels, palette, clear=self.steps)).decode()
+        words = "\n".join(self.parts)
         if note:
-            self.parts.append(f'<text x="320" y="{height - 6:.1f}" font-size="12.5" fill="{self.colours["quiet"]}">{note}</text>')
-        body = "\n".join(self.parts)
+            words += f'\n<text x="320" y="{height - 6:.1f}" font-size="12.5" fill="{self.colours["quiet"]}">{note}</text>'
         return (f'<svg xmlns="http://www.w3.org/2000/svg" width="640" height="{height:.0f}" viewBox="0 0 640 {height:.0f}" '
                 f'font-family="Helvetica, Arial, sans-serif" font-size="{self.font}" text-anchor="middle" '
-                f'fill="{self.colours["ink"]}">\n<style>image{{image-rendering:pixelated}}</style>\n{body}\n</svg>\n')
+                f'fill="{self.colours["ink"]}">\n<image width="640" height="{below:.2f}" preserveAspectRatio="none" '
+                f'style="image-rendering:pixelated" href="data:image/png;base64,{data}"/>\n{words}\n</svg>\n')
