@@ -88,6 +88,8 @@ def simplify(element):
     for name, value in list(element.items()):
         value = re.sub(r"rgb\(\s*(\d+),\s*(\d+),\s*(\d+)\s*\)", lambda m: "#%02x%02x%02x" % tuple(map(int, m.groups())), value)
         value = " ".join(re.sub(r"(?<=\d)\.00\b|(?<=\.\d)0\b", "", value).split())
+        if name in ("d", "points", "transform"): # a tenth of a pixel is enough
+            value = re.sub(r"(?<=\.\d)\d+", "", value)
         # Everything in a group of gnuplot says its colour itself.
         if name in ("class", "font-family") or name == "id" and not value.startswith("gpPt") or defaults.get(name) == value or \
                 element.tag in (svg + "g", svg + "text") and (name == "color" or (name, value) == ("stroke", "currentColor")):
