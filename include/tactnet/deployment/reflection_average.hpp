@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/deployed_view.hpp>
-#include <tactnet/tensor/reflection.hpp>
+#include <tactnet/networks/recognition.hpp>
 
 #include <array>
 #include <cstddef>

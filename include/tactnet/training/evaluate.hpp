@@ -3,7 +3,6 @@
 #include <tactnet/networks/normalisation.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
-#include <tactnet/tensor/reflection.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/data/sample_batch.hpp>
 #include <tactnet/training/loss.hpp>

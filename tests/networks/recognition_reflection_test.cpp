@@ -1,4 +1,4 @@
-#include <tactnet/tensor/reflection.hpp>
+#include <tactnet/networks/recognition.hpp>
 
 #include <doctest/doctest.h>
 
