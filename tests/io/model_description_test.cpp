@@ -1,6 +1,7 @@
 #include <tactnet/io/model_description.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
+#include <tactnet/io/save_model.hpp>
 
 #include <doctest/doctest.h>
 

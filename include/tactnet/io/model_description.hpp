@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -69,13 +68,6 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
     return std::nullopt;
 }
 
-[[gnu::cold]] inline std::string json_array(std::span<const std::string> texts) {
-    std::string json = "[";
-    for (const std::string& text : texts)
-        json += joined({json.size() > 1 ? "," : "", json_string(text)});
-    return json + "]";
-}
-
 } // namespace detail
 
 /// Reads the metadata alone, to find the network that the file is for. Throws file_error for another version
@@ -116,30 +108,6 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
     require(!d.bits || *d.bits == 8, "bits", eight_bits);
     d.temperature = detail::number_in<double>(file, "temperature", "a positive number", ours);
     return d;
-}
-
-/// Adds a description to the metadata of a file, in version 1 of the format. It must state size, classes and
-/// whether a mean is subtracted; the caller adds the name of the network under "network".
-[[gnu::cold]] inline void add_description(file_metadata& metadata, const model_description& d) {
-    metadata["format"] = "tactnet";
-    metadata["version"] = "1";
-    metadata["rows"] = std::to_string(d.rows.value());
-    metadata["columns"] = std::to_string(d.columns.value());
-    for (const std::string& name : d.classes)
-        if (!is_printable(name))
-            detail::throw_invalid_argument(
-                {"classes: expected names in UTF-8 without control characters, found ",
-                 detail::quoted{name}});
-    metadata["classes"] = detail::json_array(d.classes);
-    metadata["input"] = d.subtracts_mean.value() ? "mean" : "scale";
-    if (d.epsilon)
-        metadata["epsilon"] = shortest_number(*d.epsilon);
-    if (d.scale)
-        metadata["input_scale"] = shortest_number(*d.scale);
-    if (d.bits)
-        metadata["bits"] = std::to_string(*d.bits);
-    if (d.temperature)
-        metadata["temperature"] = shortest_number(*d.temperature);
 }
 
 }} // namespace tactnet

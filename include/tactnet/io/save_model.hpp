@@ -29,6 +29,13 @@ struct model_parts {
 
 namespace detail {
 
+[[gnu::cold]] inline std::string json_array(std::span<const std::string> texts) {
+    std::string json = "[";
+    for (const std::string& text : texts)
+        json += joined({json.size() > 1 ? "," : "", json_string(text)});
+    return json + "]";
+}
+
 /// Adds the array at `index`, whose elements are `values`; of the output layer the rows of the first classes.
 [[gnu::cold]] inline void add_array(safetensors_writer& writer, const stored_arrays& arrays,
                                     std::size_t index, std::span<const float> values, std::size_t classes) {
@@ -49,6 +56,30 @@ namespace detail {
 }
 
 } // namespace detail
+
+/// Adds a description to the metadata of a file, in version 1 of the format. It must state size, classes and
+/// whether a mean is subtracted; the caller adds the name of the network under "network".
+[[gnu::cold]] inline void add_description(file_metadata& metadata, const model_description& d) {
+    metadata["format"] = "tactnet";
+    metadata["version"] = "1";
+    metadata["rows"] = std::to_string(d.rows.value());
+    metadata["columns"] = std::to_string(d.columns.value());
+    for (const std::string& name : d.classes)
+        if (!is_printable(name))
+            detail::throw_invalid_argument(
+                {"classes: expected names in UTF-8 without control characters, found ",
+                 detail::quoted{name}});
+    metadata["classes"] = detail::json_array(d.classes);
+    metadata["input"] = d.subtracts_mean.value() ? "mean" : "scale";
+    if (d.epsilon)
+        metadata["epsilon"] = shortest_number(*d.epsilon);
+    if (d.scale)
+        metadata["input_scale"] = shortest_number(*d.scale);
+    if (d.bits)
+        metadata["bits"] = std::to_string(*d.bits);
+    if (d.temperature)
+        metadata["temperature"] = shortest_number(*d.temperature);
+}
 
 /// Adds all arrays of a network in single precision; of its output layer the rows of the first `classes`
 /// outputs. Throws std::invalid_argument unless there are 1 to Network::outputs of them.
