@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/decision/exponentials.hpp>
 #include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/networks/recognition.hpp>
 
@@ -26,22 +27,22 @@ public:
     std::size_t predict(std::span<const float> logits, std::span<bool> members) const noexcept {
         std::fill(members.begin(), members.end(), false);
         logits = logits.first(members.size());
-        for (const float logit : logits)
-            if (!(std::abs(logit) <= std::numeric_limits<float>::max()))
-                return 0;
-        const std::size_t most = first_largest(logits);
-        const auto logarithm = [&](std::size_t c) { // of its probability ÷ that of the most likely one
-            return (static_cast<double>(logits[c]) - static_cast<double>(logits[most])) /
-                   scaling_.temperature;
-        };
-        double sum = 0;
-        for (std::size_t c = 0; c < members.size(); ++c)
-            sum += std::exp(logarithm(c));
-        const double least = least_ > 0 ? std::log(least_ * sum) : -std::numeric_limits<double>::infinity();
+        const detail::value_range range(logits);
+        if (!range.finite || logits.empty())
+            return 0;
+        const auto largest = static_cast<double>(range.largest);
+        // Probabilities are compared by their logarithms.
+        const double sum = detail::sum_of_exponentials(logits, range.largest, 1 / scaling_.temperature),
+                     least = least_ > 0 ? largest + scaling_.temperature * std::log(least_ * sum)
+                                        : -std::numeric_limits<double>::infinity();
         std::size_t count = 0;
         for (std::size_t c = 0; c < members.size(); ++c) {
-            members[c] = c == most || logarithm(c) >= least;
+            members[c] = static_cast<double>(logits[c]) >= least;
             count += members[c];
+        }
+        if (count == 0) {
+            members[first_largest(logits)] = true;
+            count = 1;
         }
         return count;
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/decision/exponentials.hpp>
 #include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/networks/recognition.hpp>
 
@@ -41,11 +42,15 @@ public:
 
     /// Takes the logits of the next frame of a grasp. Returns false, and takes nothing, if one is not finite.
     bool add_frame(std::span<const float, Outputs> logits) noexcept {
-        std::array<double, Outputs> found;
-        if (!scaling_.log_probabilities(logits, std::span(found).first(classes_)))
+        const std::span<const float> known = logits.first(classes_);
+        const detail::value_range range(known);
+        if (!range.finite)
             return false;
+        const double scale = 1 / scaling_.temperature,
+                     log_sum = std::log(detail::sum_of_exponentials(known, range.largest, scale));
         for (std::size_t c = 0; c < classes_; ++c)
-            grasp_[c] += found[c];
+            grasp_[c] +=
+                (static_cast<double>(known[c]) - static_cast<double>(range.largest)) * scale - log_sum;
         ++frames_;
         return true;
     }
@@ -72,15 +77,14 @@ public:
         if (grasps() == 0)
             return std::nullopt;
         std::array<double, Outputs> sums{};
+        const double of_grasp = share(frames_, correlation_.frames),
+                     of_all = share(grasps(), correlation_.grasps);
         for (std::size_t c = 0; c < classes_; ++c)
-            sums[c] = (before_[c] + grasp_[c] * share(frames_, correlation_.frames)) *
-                      share(grasps(), correlation_.grasps);
-        const auto best =
-            std::max_element(sums.begin(), sums.begin() + static_cast<std::ptrdiff_t>(classes_));
-        double all = 0;
-        for (std::size_t c = 0; c < classes_; ++c)
-            all += std::exp(sums[c] - *best);
-        return recognition{static_cast<std::size_t>(best - sums.begin()), 1 / all};
+            sums[c] = (before_[c] + grasp_[c] * of_grasp) * of_all;
+        const auto known = std::span<const double>(sums).first(classes_);
+        const auto best = std::max_element(known.begin(), known.end());
+        return recognition{static_cast<std::size_t>(best - known.begin()),
+                           1 / detail::sum_of_exponentials(known, *best, 1)};
     }
     /// The most likely class, once its probability is at least 1 − error_rate (a sequential test: Wald, 1945;
     /// for more than two classes: Baum and Veeravalli, 1994). The rate is kept as far as the probabilities

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <random>
@@ -71,6 +72,29 @@ void check_signs() {
     }
 }
 
+/// One spike and one hole at each place of an array of zeros or of pressed tactels, and with each number of
+/// neighbours that speak for it, corners first and corners last.
+void check_lone_signs() {
+    constexpr std::size_t stride = 15, size = whole_count_vectors(7 * stride);
+    constexpr std::array<std::size_t, 8> corners_last{1, 3, 4, 6, 0, 2, 5, 7};
+    const sign_limits limits{100, 0, 20, 6};
+    std::size_t wrong = 0;
+    for (const bool hole : {false, true})
+        for (const bool reversed : {false, true})
+            for (std::size_t place = 0; place < size; ++place)
+                for (std::size_t speak = 0; speak <= 8; ++speak) {
+                    std::vector<std::uint8_t> counts(size + 2 * stride + 2, hole ? 9 : 50), signs(size);
+                    counts[place + stride + 1] = hole ? 0 : 100;
+                    for (std::size_t n = 0; n < speak; ++n)
+                        counts[place + neighbour_distances<stride>[corners_last[reversed ? 7 - n : n]]] =
+                            hole ? 20 : 11;
+                    const bool any = find_signs<size, stride>(counts.data(), limits, signs.data());
+                    const std::uint8_t expected = speak < 6 ? std::uint8_t{0} : hole ? hole_sign : spike_sign;
+                    wrong += any != (speak >= 6) || signs[place] != expected;
+                }
+    CHECK(wrong == 0);
+}
+
 template <std::size_t Size>
 void check_pressed() {
     for (const unsigned each : {1U, 8U, 200U, 255U}) {
@@ -101,6 +125,7 @@ TEST_CASE("find_signs: spikes and holes, as a loop over neighbours finds them") 
     check_signs<count_lanes, 5>();
     check_signs<whole_count_vectors(28 * 52), 52>();
     check_signs<whole_count_vectors(7 * 15), 15>();
+    check_lone_signs();
 }
 
 TEST_CASE("tally_pressed: area and force of pressed tactels, for any number of tactels") {
@@ -110,6 +135,7 @@ TEST_CASE("tally_pressed: area and force of pressed tactels, for any number of t
     check_pressed<count_lanes>();
     check_pressed<127 * count_lanes>();
     check_pressed<128 * count_lanes>();
+    check_pressed<129 * count_lanes>();
     check_pressed<254 * count_lanes + 3>();
     check_pressed<20'000>();
 }
