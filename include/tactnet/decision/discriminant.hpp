@@ -45,11 +45,14 @@ struct discriminant {
 struct nearest_class {
     std::size_t index = 0;
     double squared_distance = 0;
+    /// Squared distance in units of the class's spread (class_means::spread): the better sign of an unknown
+    /// object.
+    double relative_distance = 0;
 };
 
 /// Recognises touches by the nearest class mean (Mensink et al., 2013). Learns a new class from a few
-/// touches, without changing any other, and forgets one; both take less than a microsecond. The distance to
-/// the nearest mean shows objects that belong to no class.
+/// touches, without changing the mean of any other, and forgets one; both take less than a microsecond. The
+/// distance to the nearest mean shows objects that belong to no class.
 template <std::size_t Dimensions, std::size_t MostClasses>
 class class_means {
 public:
@@ -61,8 +64,12 @@ public:
         if (index >= MostClasses || !is_finite(touch))
             return false;
         const double count = static_cast<double>(++touches_[index]);
-        for (std::size_t d = 0; d < Dimensions; ++d)
-            means_[d][index] += (static_cast<double>(touch[d]) - means_[d][index]) / count;
+        for (std::size_t d = 0; d < Dimensions; ++d) {
+            const double before = static_cast<double>(touch[d]) - means_[d][index];
+            means_[d][index] += before / count;
+            squares_[index] += before * (static_cast<double>(touch[d]) - means_[d][index]);
+        }
+        set_average_spread();
         return true;
     }
     /// Forgets all touches of a class.
@@ -70,12 +77,22 @@ public:
         if (index >= MostClasses)
             return;
         touches_[index] = 0;
+        squares_[index] = 0;
         for (auto& coordinates : means_)
             coordinates[index] = 0;
+        set_average_spread();
     }
     /// How many touches of a class have been learnt.
     [[nodiscard]] std::size_t touches(std::size_t index) const noexcept {
         return index < MostClasses ? touches_[index] : 0;
+    }
+    /// The mean squared distance of the touches of a class from their mean, shrunk towards the average of all
+    /// classes, which counts as much as eight touches. 1 while no class has two touches that differ.
+    [[nodiscard]] double spread(std::size_t index) const noexcept {
+        constexpr double prior = 8;
+        if (!(average_spread_ > 0) || index >= MostClasses)
+            return 1;
+        return (squares_[index] + prior * average_spread_) / (static_cast<double>(touches_[index]) + prior);
     }
 
     /// Returns the class with the nearest mean, of equally near ones the first. std::nullopt without classes,
@@ -93,12 +110,14 @@ public:
         for (std::size_t c = 0; c < MostClasses; ++c)
             if (touches_[c] > 0 && (!found || squared[c] < found->squared_distance))
                 found = nearest_class{c, squared[c]};
+        if (found)
+            found->relative_distance = found->squared_distance / spread(found->index);
         return found;
     }
 
     /// The bytes of a saved state.
     static constexpr std::size_t state_bytes =
-        detail::state_header_bytes + MostClasses * (4 + 8 * Dimensions) + detail::state_checksum_bytes;
+        detail::state_header_bytes + MostClasses * (12 + 8 * Dimensions) + detail::state_checksum_bytes;
     /// Returns all classes, for after a restart.
     [[nodiscard]] std::array<std::byte, state_bytes> save() const noexcept {
         detail::state_writer<state_bytes> to(state_header);
@@ -107,6 +126,8 @@ public:
         for (const auto& coordinates : means_)
             for (const double coordinate : coordinates)
                 to.put(coordinate);
+        for (const double squares : squares_)
+            to.put(squares);
         return to.finish();
     }
     /// Takes what `save` returned, in place of what was learnt.
@@ -124,6 +145,12 @@ public:
                 if (!(std::abs(coordinate) <= std::numeric_limits<float>::max()))
                     return restore_status::damaged;
             }
+        for (double& squares : found.squares_) {
+            from.take(squares);
+            if (!(squares >= 0 && squares <= std::numeric_limits<double>::max()))
+                return restore_status::damaged;
+        }
+        found.set_average_spread();
         *this = found;
         return restore_status::ok;
     }
@@ -136,7 +163,20 @@ private:
                            [](float value) { return std::abs(value) <= std::numeric_limits<float>::max(); });
     }
 
+    /// A single touch of a class says nothing about its spread.
+    void set_average_spread() noexcept {
+        double sum = 0, classes = 0;
+        for (std::size_t c = 0; c < MostClasses; ++c)
+            if (touches_[c] > 1) {
+                sum += squares_[c] / static_cast<double>(touches_[c]);
+                ++classes;
+            }
+        average_spread_ = classes > 0 ? sum / classes : 0;
+    }
+
     std::array<std::array<double, MostClasses>, Dimensions> means_{}; ///< [dimension][class]
+    std::array<double, MostClasses> squares_{}; ///< sums of squared distances from the mean
+    double average_spread_ = 0;
     std::array<std::uint32_t, MostClasses> touches_{};
 };
 
