@@ -1,4 +1,5 @@
 #include <tactnet/runtime/random.hpp>
+#include <tactnet/training/data/split.hpp>
 #include <tactnet/training/loss.hpp>
 
 #include <doctest/doctest.h>
@@ -24,8 +25,9 @@ long double reference(const logits<double>& x, const std::vector<std::size_t>& l
         for (std::size_t c = 0; c < classes; ++c)
             sum += std::exp(static_cast<long double>(x(s, c)));
         for (std::size_t c = 0; c < classes; ++c) {
-            const long double wanted =
-                smoothing / static_cast<double>(classes) + (c == labels[s] ? 1 - smoothing : 0.0);
+            const long double wanted = labels[s] == no_class ? 1 / static_cast<long double>(classes)
+                                                             : smoothing / static_cast<double>(classes) +
+                                                                   (c == labels[s] ? 1 - smoothing : 0.0);
             total -= wanted * std::log(std::exp(static_cast<long double>(x(s, c))) / sum);
         }
     }
@@ -45,7 +47,7 @@ TEST_CASE("softmax_cross_entropy: value and gradient, smoothed and with fewer cl
             for (std::size_t s = 0; s < 6; ++s) {
                 for (std::size_t c = 0; c < 7; ++c)
                     x(s, c) = random.uniform(-3, 3);
-                labels[s] = s % classes;
+                labels[s] = s == 4 ? no_class : s % classes;
             }
             for (std::size_t i = 0; i < gradient.view().lane_blocks() * gradient.view().lane_block_size; ++i)
                 gradient.view().data()[i] = 99;

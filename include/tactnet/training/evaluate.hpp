@@ -55,6 +55,7 @@ inline void logits_of_samples(shape input, std::span<const float> mean, float sc
 inline evaluation evaluate(shape input, std::span<const float> mean, float scale, std::size_t outputs,
                            const labelled_samples& samples, std::span<const std::size_t> chosen,
                            test_time_augmentation how, const logits_of_batch& logits) {
+    samples.check_classes(chosen);
     constexpr std::size_t at_once = 64;
     evaluation result{0, confusion_matrix(samples.classes()), {}, {}};
     std::vector<float> of_classes(samples.classes());
@@ -94,7 +95,7 @@ inline evaluation evaluate(shape input, std::span<const float> mean, float scale
 
 /// Evaluates a network on chosen images or features. Only the outputs of the classes count. If logits are not
 /// finite, neither is the loss, and the recognised classes are meaningless. Features cannot be reflected.
-/// Throws as `labelled_samples::check`.
+/// Throws as `labelled_samples::check` and `check_classes`.
 template <class Network>
 [[nodiscard]] evaluation
 evaluate(const Network& network, const normalisation<Network::input_shape>& normalise,

@@ -38,10 +38,11 @@ double softmax_cross_entropy(const logit_layout& at, const T* logits, std::span<
             sum += std::exp(logit(c) - largest);
         const double log_sum =
             std::log(sum); // of the distances from the largest, or a large logit would swallow it
+        const double shared = labels[sample] < classes ? smoothing : 1;
         for (std::size_t c = 0; c < classes; ++c) {
             const double log_probability = logit(c) - largest - log_sum;
             const double wanted =
-                smoothing / static_cast<double>(classes) + (c == labels[sample] ? 1 - smoothing : 0.0);
+                shared / static_cast<double>(classes) + (c == labels[sample] ? 1 - shared : 0.0);
             if (wanted > 0) // a wanted share of zero costs nothing, even where the logarithm is −∞
                 total -= wanted * log_probability;
             gradient[at(sample, c)] = static_cast<T>((std::exp(log_probability) - wanted) / count);
@@ -54,8 +55,8 @@ double softmax_cross_entropy(const logit_layout& at, const T* logits, std::span<
 
 /// Softmax with cross-entropy, in double and relative to the largest logit, without overflow or logarithms of
 /// rounded probabilities. Only the first `classes` logits count. Label smoothing gives each class
-/// `smoothing / classes`. Returns the mean over the batch and writes its gradient, zero for other logits and
-/// for lanes without a sample.
+/// `smoothing / classes`; an outlier, of a label that is no class, 1 / classes. Returns the mean over the
+/// batch and writes its gradient, zero for other logits and for lanes without a sample.
 template <class T, shape Shape, std::size_t Lanes>
 double softmax_cross_entropy(batch_view<const T, Shape, Lanes> logits, std::span<const std::size_t> labels,
                              std::size_t classes, double smoothing, batch_view<T, Shape, Lanes> gradient) {

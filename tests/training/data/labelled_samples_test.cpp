@@ -76,6 +76,16 @@ TEST_CASE("labelled_samples: what does not fit a network is an error with the nu
     CHECK(told(labelled_features{values, labels, 2}, 1) == "features: expected 1 to 1 classes, found 2");
     CHECK(told(labelled_images{pixels, labels, 0}, 3) == "images: expected 1 to 3 classes, found 0");
     CHECK(told(labelled_features{values, labels, 1}, 3) == "features: expected labels below 1, found 1");
+    std::vector<std::size_t> with_outlier(labels.begin(), labels.end());
+    with_outlier.front() = no_class;
+    const labelled_features outliers{values, with_outlier, 2};
+    CHECK(told(outliers, 2).empty());
+    const std::vector<std::size_t> known{1}, all{1, 0};
+    CHECK_NOTHROW(labelled_samples(outliers).check_classes(known));
+    CHECK_THROWS_WITH_AS(labelled_samples(outliers).check_classes(all),
+                         "features: expected samples of a class for validation and test, found an outlier, "
+                         "sample 0",
+                         std::invalid_argument);
     CHECK(told(labelled_features{std::span(values).first(5), labels, 2}, 2) ==
           "features: expected 6 numbers, found 5");
     CHECK(told(labelled_images{std::span(pixels).first(5), labels, 2}, 2) ==

@@ -112,3 +112,19 @@ TEST_CASE("split_data: few images and other shares") {
     CHECK(none.training.size() == 2); // one of each class, whatever the shares
     CHECK(split_data({}, 3, split_rule::random, 1).training.empty());
 }
+
+TEST_CASE("split_data: outliers are for training alone, and change nothing for others") {
+    for (const split_rule rule : {split_rule::random, split_rule::blocked}) {
+        std::vector<std::size_t> labels = labels_of(3, 10);
+        const data_split without = split_data(labels, 3, rule, 5);
+        labels.push_back(no_class);
+        labels.push_back(no_class);
+        data_split with = split_data(labels, 3, rule, 5);
+        check_complete(with, labels.size());
+        REQUIRE(with.training.size() == without.training.size() + 2);
+        CHECK(with.training[with.training.size() - 2] == 30);
+        CHECK(with.training.back() == 31);
+        with.training.resize(without.training.size());
+        CHECK(with == without);
+    }
+}

@@ -7,6 +7,7 @@
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 #include <tactnet/text/message.hpp>
+#include <tactnet/training/data/split.hpp>
 
 #include <algorithm>
 #include <array>
@@ -154,7 +155,7 @@ public:
     }
 
     /// Throws std::invalid_argument if the network has fewer outputs than there are classes, if a label is
-    /// none of the classes, or if the number of values does not match the labels and the input.
+    /// neither a class nor no_class, or if the number of values does not match the labels and the input.
     void check(shape input, std::size_t outputs) const {
         const std::size_t expected = size() * input.size(),
                           found = std::visit([](const auto&numbers) { return numbers.size(); }, numbers_);
@@ -167,8 +168,14 @@ public:
         if (taken_.given() && taken_.pixels.size() != size() * taken_.taken.size())
             refuse({size() * taken_.taken.size(), " pixels of images as taken"}, {taken_.pixels.size()});
         for (const std::size_t label : labels_)
-            if (label >= classes_)
+            if (label >= classes_ && label != no_class)
                 refuse({"labels below ", classes_}, {label});
+    }
+    /// Throws std::invalid_argument if a chosen sample is of no class: such samples are for training alone.
+    void check_classes(std::span<const std::size_t> chosen) const {
+        for (const std::size_t sample : chosen)
+            if (label(sample) == no_class)
+                refuse({"samples of a class for validation and test"}, {"an outlier, sample ", sample});
     }
     /// Throws std::invalid_argument for a feature that is not finite. `input` is the shape of a sample.
     void check_finite(shape input) const {

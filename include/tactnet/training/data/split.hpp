@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -29,9 +30,14 @@ enum class split_rule {
     blocked ///< consecutive images of a class stay together, since neighbours are near-duplicates
 };
 
-/// Splits each class by the same shares. `labels` are in the order of recording within each class. A blocked
-/// split goes around the circle of a class's images from a random start: the test block, the validation
-/// block, then training. Every part holds at least one image of each class that has three or more.
+/// The label of an outlier: an image of no class. A training asks for equal probabilities of all classes for
+/// it, so that the network is less sure of unknown objects (outlier exposure: Hendrycks et al., 2019).
+inline constexpr std::size_t no_class = std::numeric_limits<std::size_t>::max();
+
+/// Splits each class by the same shares; outliers are for training alone. `labels` are in the order of
+/// recording within each class. A blocked split goes around the circle of a class's images from a random
+/// start: the test block, the validation block, then training. Every part holds at least one image of each
+/// class that has three or more.
 [[nodiscard]] inline data_split split_data(std::span<const std::size_t> labels, std::size_t classes,
                                            split_rule rule, std::uint64_t seed, split_shares shares = {}) {
     data_split result;
@@ -64,6 +70,9 @@ enum class split_rule {
         result.validation.insert(result.validation.end(), middle, rest);
         result.training.insert(result.training.end(), rest, members.end());
     }
+    for (std::size_t i = 0; i < labels.size(); ++i)
+        if (labels[i] == no_class)
+            result.training.push_back(i);
     return result;
 }
 
