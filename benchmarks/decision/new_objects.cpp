@@ -61,8 +61,9 @@ std::vector<touch> touches_of(const deployed_net& network, std::span<const std::
         const auto image = pixels.subspan(i * tactels).first<tactels>();
         for (std::size_t view = 0; view < 4; ++view) {
             response& one = found[i].views[view];
-            (void)network.infer(reflected<array>(image, (view & 1) != 0, (view & 2) != 0), one.logits,
-                                *memory);
+            std::array<std::uint8_t, tactels> seen;
+            reflect_image(array, all_reflections[view], image.data(), seen.data());
+            (void)network.infer(seen, one.logits, *memory);
             network.read_features(*memory, one.values);
         }
         found[i].alone = found[i].views[0];

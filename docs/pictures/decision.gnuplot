@@ -1,5 +1,6 @@
 # Draws the pictures of docs/decision.md from a table of benchmarks/results, in the folder docs/pictures:
-#   gnuplot -e "results='../../benchmarks/results/zen5/2026-11-25/decision.md'" decision.gnuplot
+#   gnuplot -e "results='../../benchmarks/results/zen5/2026-11-25/decision.md'; \
+#       unknown='../../benchmarks/results/zen3/2026-11-26/decision.md'" decision.gnuplot
 set datafile separator "|"
 set terminal pngcairo size 700,420 font ",11"
 set border 3 lc rgb "#8a8a86"
@@ -27,10 +28,10 @@ set ylabel "share of touches, %"
 set yrange [0:*]
 set ytics auto
 set logscale x
-set xrange [1.5:20]
-set xtics (2, 3, 5, 10, 20)
-set xlabel "distance to the nearest mean"
+set xrange [0.4:6]
+set xtics (0.5, 1, 2, 3, 5)
+set xlabel "distance to the nearest mean / spread of its class"
 set key top left
-plot "< sed -n '/^| distance to the nearest mean, from/,/^$/p' ".results." | tail -n +3" \
+plot "< sed -n '/^| distance \\/ spread, from/,/^$/p' ".unknown." | tail -n +3" \
     using 2:3 with fillsteps fs transparent solid 0.5 lc rgb "#1f5fa8" title "known objects", \
     "" using 2:4 with fillsteps fs transparent solid 0.5 lc rgb "#c0504d" title "unknown objects"

@@ -83,8 +83,8 @@ public:
         if (any)
             replace_signed();
         for (std::size_t row = 0; row < Array.rows; ++row)
-            std::copy_n(grid_.counts.data() + grid::place(row, 0), Array.columns,
-                        clean_.data() + row * Array.columns);
+            std::memcpy(clean_.data() + row * Array.columns, grid_.counts.data() + grid::place(row, 0),
+                        Array.columns);
         ++frames_;
         return frame(clean_);
     }
@@ -167,8 +167,8 @@ private:
     /// of an array are pressed at once, so that the lowest quarter is at the baseline.
     void subtract_baseline(frame raw) noexcept {
         for (std::size_t row = 0; row < Array.rows; ++row)
-            std::copy_n(raw.data() + row * Array.columns, Array.columns,
-                        grid_.counts.data() + grid::place(row, 0));
+            std::memcpy(grid_.counts.data() + grid::place(row, 0), raw.data() + row * Array.columns,
+                        Array.columns);
         const std::uint8_t offset = offset_;
         auto [above, below] =
             kernels::subtract_levels<grid::span>(grid_.counts.data() + grid::first, baseline_.data(), offset);
