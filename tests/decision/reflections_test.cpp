@@ -1,4 +1,5 @@
 #include <tactnet/decision/reflections.hpp>
+#include <tactnet/deployment/frame_ref.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/deployment/frame_ref.hpp>
 #include <tactnet/tensor/reflection.hpp>
 #include <tactnet/tensor/shape.hpp>
 
@@ -13,20 +12,22 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Runs a deployed network on a frame and on its three reflections, and writes the means of their logits and
 /// of their features: reflection_average, with the features by which unknown objects are found. Takes four
-/// times as long as `infer`. Returns not_finite, as `infer`, if an output of one of them is.
+/// times as long as `infer`. Returns its frame_status: not_finite if an output of one of the four is.
 template <class Network>
-frame_status
-infer_reflections(const Network& network, std::span<const std::uint8_t, Network::input_shape.size()> frame,
-                  std::span<float, Network::outputs> logits, std::span<float, Network::features> features,
-                  typename Network::workspace& memory) noexcept {
+auto infer_reflections(const Network& network,
+                       std::span<const std::uint8_t, Network::input_shape.size()> frame,
+                       std::span<float, Network::outputs> logits,
+                       std::span<float, Network::features> features,
+                       typename Network::workspace& memory) noexcept {
     std::array<std::uint8_t, Network::input_shape.size()> reflected;
     std::array<std::array<float, Network::outputs>, all_reflections.size()> of_logits;
     std::array<std::array<float, Network::features>, all_reflections.size()> of_features;
-    frame_status status = frame_status::ok;
+    using status_type = decltype(network.infer(reflected, of_logits[0], memory));
+    status_type status = status_type::ok;
     for (std::size_t i = 0; i < all_reflections.size(); ++i) {
         reflect_image(Network::input_shape, all_reflections[i], frame.data(), reflected.data());
-        if (network.infer(reflected, of_logits[i], memory) != frame_status::ok)
-            status = frame_status::not_finite;
+        if (network.infer(reflected, of_logits[i], memory) != status_type::ok)
+            status = status_type::not_finite;
         network.read_features(memory, of_features[i]);
     }
     const auto average = [](const auto& of_each, std::span<float> to) {
