@@ -45,8 +45,7 @@ struct discriminant {
 struct nearest_class {
     std::size_t index = 0;
     double squared_distance = 0;
-    /// Squared distance in units of the class's spread (class_means::spread): the better sign of an unknown
-    /// object.
+    /// Squared distance in units of the class's spread (class_means::spread): what to compare with a limit.
     double relative_distance = 0;
 };
 

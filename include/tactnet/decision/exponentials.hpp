@@ -26,8 +26,8 @@ struct value_range {
     }
 };
 
-/// The sum of e^((value − largest) · scale), for values of which none is larger. Each power has an error of
-/// at most 2⁻²² of itself; powers below e⁻⁸⁷ count as 0. Bit-identical with any instruction set.
+/// The sum of e^((value − largest) · scale), for values of which none is larger. Powers are in single
+/// precision, with an error of at most 2⁻¹⁷ of themselves, 2⁻²² from e⁻² on; those below e⁻⁸⁷ count as 0.
 template <class T>
 [[nodiscard]] double sum_of_exponentials(std::span<const T> values, T largest, double scale) noexcept {
     constexpr std::size_t block = 64, ways = 4; // sums of their own, which need not wait for one another
