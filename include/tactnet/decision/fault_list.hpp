@@ -22,7 +22,7 @@ public:
     /// Tactels that can be faulty at the same time.
     static constexpr std::size_t most = Array.size() / 8;
     /// A count that a stuck tactel is not below, and a dead one not above.
-    static constexpr std::uint8_t sound_count = 10;
+    static constexpr std::uint8_t healthy_count = 10;
 
     [[nodiscard]] std::span<const tactel_fault> all() const noexcept {
         return std::span(faults_).first(count_);
@@ -54,7 +54,7 @@ public:
             std::uint8_t& count = counts.counts[replacements_[f].place()];
             const std::uint8_t mean = replacements_[f].of(counts);
             const bool dead = faults_[f].kind == tactel_fault_kind::dead;
-            const bool works = dead ? count > sound_count : count < sound_count;
+            const bool works = dead ? count > healthy_count : count < healthy_count;
             const bool fails = dead ? mean >= limits.pressed : count >= limits.spike && mean < count / 8;
             if (works)
                 any = ++sound_frames_[f] >= enough || any;

@@ -30,9 +30,10 @@ auto infer_reflections(const Network& network,
             status = status_type::not_finite;
         network.read_features(memory, of_features[i]);
     }
-    const auto average = [](const auto& of_each, std::span<float> to) {
+    const auto average = [](const auto& outputs_per_reflection, std::span<float> to) {
         for (std::size_t e = 0; e < to.size(); ++e)
-            to[e] = mean_of_reflections(of_each[0][e], of_each[1][e], of_each[2][e], of_each[3][e]);
+            to[e] = mean_of_reflections(outputs_per_reflection[0][e], outputs_per_reflection[1][e],
+                                        outputs_per_reflection[2][e], outputs_per_reflection[3][e]);
     };
     average(of_logits, logits);
     average(of_features, features);

@@ -77,11 +77,11 @@ public:
         subtract_baseline(raw);
         if (!faults().empty())
             replace_faulty();
-        const bool any = find_signs();
+        const bool any = find_suspects();
         if (any || watching_)
             count_signs();
         if (any)
-            replace_signed();
+            replace_suspects();
         for (std::size_t row = 0; row < Array.rows; ++row)
             std::memcpy(clean_.data() + row * Array.columns, grid_.counts.data() + grid::place(row, 0),
                         Array.columns);
@@ -181,9 +181,9 @@ private:
             offset_ = static_cast<std::uint8_t>(offset - (offset > 0));
     }
 
-    [[nodiscard]] bool find_signs() noexcept {
+    [[nodiscard]] bool find_suspects() noexcept {
         const fault_limits& limits = settings_.limits;
-        return kernels::find_signs<grid::span, grid::stride>(
+        return kernels::find_suspects<grid::span, grid::stride>(
             grid_.counts.data(), {limits.spike, limits.hole, limits.pressed, limits.neighbours},
             signs_.data());
     }
@@ -204,17 +204,17 @@ private:
     void count_signs() noexcept {
         // A tactel that is low is not stuck, one that is pressed is not dead.
         watching_ = false;
-        visit_tactels(against_, [&](std::size_t i, std::size_t, std::size_t) {
+        visit_tactels(suspect_frames_, [&](std::size_t i, std::size_t, std::size_t) {
             const std::uint8_t count = grid_.counts[grid::first + i];
-            const bool dead = against_[i] & dead_bit;
-            if (signs_[i] == 0 && (dead ? count > sound_count : count < sound_count))
-                against_[i] = 0;
-            watching_ = watching_ || against_[i] != 0;
+            const bool dead = suspect_frames_[i] & dead_bit;
+            if (signs_[i] == 0 && (dead ? count > healthy_count : count < healthy_count))
+                suspect_frames_[i] = 0;
+            watching_ = watching_ || suspect_frames_[i] != 0;
         });
         visit_tactels(signs_, [&](std::size_t i, std::size_t row, std::size_t column) {
             const std::uint8_t kind = signs_[i] == kernels::hole_sign ? dead_bit : std::uint8_t{0};
-            const auto frames = static_cast<std::uint8_t>((against_[i] & ~dead_bit) + 1);
-            against_[i] = static_cast<std::uint8_t>(std::min(frames, frames_to_fault()) | kind);
+            const auto frames = static_cast<std::uint8_t>((suspect_frames_[i] & ~dead_bit) + 1);
+            suspect_frames_[i] = static_cast<std::uint8_t>(std::min(frames, frames_to_fault()) | kind);
             watching_ = true;
             if (frames >= frames_to_fault() && !faults_.contains(row, column))
                 add_fault(row, column, kind != 0 ? tactel_fault_kind::dead : tactel_fault_kind::stuck);
@@ -227,7 +227,7 @@ private:
     void replace_faulty() noexcept {
         const auto enough = std::max<std::uint8_t>(settings_.frames_to_recovery, 1);
         faults_.replace(grid_, settings_.limits, enough, [this](const tactel_fault& fault) {
-            against_[fault.row * grid::stride + fault.column] = 0;
+            suspect_frames_[fault.row * grid::stride + fault.column] = 0;
             if (fault.kind == tactel_fault_kind::stuck) { // what was learnt was not its count of air
                 level_[fault.row * Array.columns + fault.column] = 0;
                 baseline_[fault.row * grid::stride + fault.column] = 0;
@@ -236,7 +236,7 @@ private:
     }
 
     /// Replaces counts that this frame alone shows to be wrong.
-    void replace_signed() noexcept {
+    void replace_suspects() noexcept {
         const auto unsound = [&](std::size_t y, std::size_t x) {
             return signs_[y * grid::stride + x] != 0 || faults_.contains(y, x);
         };
@@ -246,8 +246,8 @@ private:
         });
     }
 
-    static constexpr std::uint8_t dead_bit = 0x80; ///< of `against_`, whose other bits count frames
-    static constexpr std::uint8_t sound_count = detail::fault_list<Array>::sound_count;
+    static constexpr std::uint8_t dead_bit = 0x80; ///< of `suspect_frames_`, whose other bits count frames
+    static constexpr std::uint8_t healthy_count = detail::fault_list<Array>::healthy_count;
 
     health_settings settings_;
     std::uint32_t learnt_ = 0;
@@ -256,7 +256,7 @@ private:
     std::array<std::uint16_t, size> level_{}; ///< the baseline in 1/256 count
     std::array<std::uint8_t, grid::span> baseline_{};
     grid grid_{};
-    std::array<std::uint8_t, grid::span> signs_{}, against_{};
+    std::array<std::uint8_t, grid::span> signs_{}, suspect_frames_{};
     std::uint8_t offset_ = 0; ///< of all tactels
     detail::fault_list<Array> faults_;
     alignas(64) std::array<std::uint8_t, size> clean_{};

@@ -49,7 +49,7 @@ void check_signs() {
         for (std::uint8_t& count : counts) // many low and many pressed ones
             count = count < 100 ? static_cast<std::uint8_t>(count / 12) : count;
         std::vector<std::uint8_t> signs(Size);
-        const bool any = find_signs<Size, Stride>(counts.data(), limits, signs.data());
+        const bool any = find_suspects<Size, Stride>(counts.data(), limits, signs.data());
         std::size_t wrong = 0, found = 0;
         for (std::size_t i = 0; i < Size; ++i) {
             const int own = counts[i + Stride + 1];
@@ -88,7 +88,7 @@ void check_lone_signs() {
                     for (std::size_t n = 0; n < speak; ++n)
                         counts[place + neighbour_distances<stride>[corners_last[reversed ? 7 - n : n]]] =
                             hole ? 20 : 11;
-                    const bool any = find_signs<size, stride>(counts.data(), limits, signs.data());
+                    const bool any = find_suspects<size, stride>(counts.data(), limits, signs.data());
                     const std::uint8_t expected = speak < 6 ? std::uint8_t{0} : hole ? hole_sign : spike_sign;
                     wrong += any != (speak >= 6) || signs[place] != expected;
                 }
@@ -121,7 +121,7 @@ TEST_CASE("subtract_levels: each count less its level and the offset, for any nu
     check_levels<300 * count_lanes>(); // more than a byte counts
 }
 
-TEST_CASE("find_signs: spikes and holes, as a loop over neighbours finds them") {
+TEST_CASE("find_suspects: spikes and holes, as a loop over neighbours finds them") {
     check_signs<count_lanes, 5>();
     check_signs<whole_count_vectors(28 * 52), 52>();
     check_signs<whole_count_vectors(7 * 15), 15>();

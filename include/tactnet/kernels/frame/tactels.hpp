@@ -125,7 +125,7 @@ template <std::size_t Stride>
 inline constexpr std::array<std::size_t, 8> neighbour_distances{
     0, 1, 2, Stride, Stride + 2, 2 * Stride, 2 * Stride + 1, 2 * Stride + 2};
 
-/// The limits of find_signs: see tactnet::fault_limits.
+/// The limits of find_suspects: see tactnet::fault_limits.
 struct sign_limits {
     std::uint8_t spike, hole, pressed, neighbours;
 };
@@ -135,12 +135,12 @@ inline constexpr std::uint8_t spike_sign = 1, hole_sign = 2;
 /// hole_sign or 0 to `signs`. `counts` begins at the neighbour of the first tactel that is above and to the
 /// left. Returns whether any is not 0.
 template <std::size_t Size, std::size_t Stride>
-[[nodiscard]] bool find_signs(const std::uint8_t* counts, const sign_limits& limits,
-                              std::uint8_t* signs) noexcept {
-    static_assert(Size % count_lanes == 0, "find_signs: expected whole vectors");
+[[nodiscard]] bool find_suspects(const std::uint8_t* counts, const sign_limits& limits,
+                                 std::uint8_t* signs) noexcept {
+    static_assert(Size % count_lanes == 0, "find_suspects: expected whole vectors");
     using vector = uint8_vec<count_lanes>;
     // Of enough neighbours, at most four are corners. In most vectors the other four rule out every sign.
-    const auto beside = static_cast<std::uint8_t>(limits.neighbours > 4 ? limits.neighbours - 4 : 0);
+    const auto enough_of_four = static_cast<std::uint8_t>(limits.neighbours > 4 ? limits.neighbours - 4 : 0);
     vector any{};
     for (std::size_t i = 0; i < Size; i += count_lanes) {
         const auto own = load_bytes_as<vector>(counts + i + Stride + 1);
@@ -161,7 +161,7 @@ template <std::size_t Size, std::size_t Stride>
                    (is_low & reinterpret_cast<vector>(pressed >= enough) & hole_sign);
         };
         count_four({1, 3, 4, 6}); // above, left, right, below
-        vector sign = signs_from(beside);
+        vector sign = signs_from(enough_of_four);
         if (detail::any_set(sign)) {
             count_four({0, 2, 5, 7});
             sign = signs_from(limits.neighbours);
