@@ -67,7 +67,7 @@ def source_page(path, sources):
     """A file, or what is in a folder, as a page."""
     up = "../" * len(path.parts)
     if (root / path).is_dir():
-        entries = sorted(p for p in (root / path).iterdir() if not p.name.startswith("."))
+        entries = sorted(p for p in (root / path).iterdir() if not p.name.startswith((".", "__")))
         sources.update(p.relative_to(root) for p in entries)
         body = "<ul>" + "".join(
             f'<li><a href="{path.name}/{p.name}.html">{html.escape(p.name)}{"/" * p.is_dir()}</a></li>' for p in entries) + "</ul>"
@@ -152,6 +152,8 @@ def main():
     given = words.parse_args()
     out, known, sources = pathlib.Path(given.out).resolve(), pages(), set()
     folder = out.parent / "site_pages"
+    if out.exists() and not (out / "search").is_dir(): # it is removed before it is made again
+        sys.exit(f"docs/site/make.py: expected no folder or a site at {out}, found something else")
     for old in (folder, out):
         shutil.rmtree(old, ignore_errors=True)
     for page in known:

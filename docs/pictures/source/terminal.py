@@ -168,7 +168,7 @@ def animate(pieces, columns, rows, title, prompt="", pause=0.1, speed=1, hold=3)
         state = "visible" if b >= 100 else "hidden" # of who wants no movement: the last screen
         body.append(part.replace(" ", f' visibility="{state}" style="animation-name:k{number}" ', 1))
     width, height = columns * cell + 24, rows * line + 44
-    style = "text{white-space:pre}image{image-rendering:pixelated}text,image{animation:" + f"{length:.1f}s step-end infinite" + "}" + \
+    style = "text{white-space:pre}image{image-rendering:pixelated}text,image{animation:" + f"{length:.1f}s step-end infinite}}" + \
         "@media(prefers-reduced-motion:reduce){text,image{animation:none!important}}" + "".join(rules)
     content = "\n".join(body)
     return (f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0f}" height="{height}" viewBox="0 0 {width:.0f} {height}" '
