@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/tensor/reflection.hpp>
+#include <tactnet/networks/recognition.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <array>
