@@ -70,8 +70,7 @@ std::string wrong_among_reports(const fs::path& folder) {
         if (name.ends_with(".png") &&
             bytes.find("IEND", bytes.size() < 12 ? 0 : bytes.size() - 12) == std::string::npos)
             return name + " is no whole picture";
-        const bool text = name.ends_with(".csv") || name.ends_with(".hpp") || name == "table.jsonl" ||
-                          name.ends_with(".learning.jsonl");
+        const bool text = name.ends_with(".csv") || name.ends_with(".hpp") || name == "table.jsonl";
         if (text && !bytes.ends_with('\n'))
             return name + " does not end with its last line";
     }

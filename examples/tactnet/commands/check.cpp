@@ -1,7 +1,7 @@
 // tactnet check: a folder of images as the program reads it, and what is wrong with it.
 
 #include "commands/commands.hpp"
-#include "console/standard_streams.hpp"
+#include "console.hpp"
 #include "data/folder_check.hpp"
 #include "methods/training_settings.hpp"
 #include "reports/report.hpp"

@@ -1,7 +1,7 @@
 // tactnet classify: images in, a line each out.
 
 #include "commands/commands.hpp"
-#include "console/standard_streams.hpp"
+#include "console.hpp"
 #include "data/image_data.hpp"
 #include "methods/weights.hpp"
 #include "reports/report.hpp"

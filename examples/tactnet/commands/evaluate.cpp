@@ -1,14 +1,12 @@
-// tactnet evaluate: methods trained and tested on many splits, and what each costs. Or a weight file, see
-// evaluate_weights.cpp.
-
-#include "commands/evaluate.hpp"
+// tactnet evaluate: methods trained and tested on many splits, and what each costs. Or a weight file.
 
 #include "commands/commands.hpp"
-#include "console/standard_streams.hpp"
-#include "evaluation/candidates.hpp"
+#include "console.hpp"
+#include "evaluation/trainings.hpp"
 #include "files/output_files.hpp"
 #include "methods/description.hpp"
 #include "methods/registry.hpp"
+#include "methods/weights.hpp"
 #include "number_options.hpp"
 #include "reports/pictures.hpp"
 #include "study/page.hpp"
@@ -16,12 +14,16 @@
 #include "usage_error.hpp"
 
 #include <tactnet/io/write_file.hpp>
+#include <tactnet/svm/feature_rows.hpp>
+#include <tactnet/text/quoting.hpp>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <interrupt.hpp>
 #include <iterator>
@@ -29,11 +31,25 @@
 #include <memory>
 #include <printable.hpp>
 #include <set>
+#include <string>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <utility>
+#include <vector>
 
 namespace {
+
+struct evaluate_options {
+    training_settings training;
+    weight_options weights;
+    std::string data, results = "results", split = "both", images = "test";
+    std::vector<std::string> methods, sizes;
+    std::size_t splits = 10;
+    std::uint64_t first_seed = 0;
+    bool afresh = false; ///< forget earlier results
+    std::size_t jobs = std::max(1U, std::thread::hardware_concurrency());
+};
 
 std::vector<std::pair<std::size_t, std::size_t>> sizes_of(const evaluate_options& o) {
     std::vector<std::pair<std::size_t, std::size_t>> sizes;
@@ -48,34 +64,11 @@ std::vector<std::pair<std::size_t, std::size_t>> sizes_of(const evaluate_options
     return sizes;
 }
 
-std::vector<tactnet::split_rule> rules_of(const evaluate_options& o) {
-    if (o.split == "both")
-        return {tactnet::split_rule::random, tactnet::split_rule::blocked};
-    return {split_rule_of(o.split)};
-}
-
 std::filesystem::path picture_stem(const evaluate_options& o, std::string_view kind,
                                    const std::string& method, std::size_t rows, std::size_t columns,
                                    std::size_t bits) {
     return std::filesystem::path(o.results) /
            fmt::format("{}_{}_{}x{}{}", kind, method, rows, columns, bits == 8 ? "_8bit" : "");
-}
-
-std::vector<named_file> outputs_of(const evaluate_options& o, const std::vector<candidate>& chosen) {
-    const std::filesystem::path folder = o.results;
-    std::vector<named_file> files;
-    for (const char* name : {"evaluation.jsonl", "table.jsonl", "table.csv"})
-        files.push_back({"--results", folder / name});
-    std::set<std::filesystem::path> stems{folder / "accuracy_and_time", folder / "accuracy_and_tactels",
-                                          folder / "learning_curves"};
-    for (const candidate& c : chosen) // a method may be named twice
-        for (const std::size_t bits : bits_of(c))
-            for (const std::string_view kind : {"confusion", "reliability"})
-                if (kind == "confusion" || c.what->is_network())
-                    stems.insert(picture_stem(o, kind, c.what->name, c.what->rows, c.what->columns, bits));
-    for (const std::filesystem::path& stem : stems)
-        std::ranges::move(picture_files("--results", stem), std::back_inserter(files));
-    return files;
 }
 
 /// TactNet-4 and TactNet-6, if they are there.
@@ -88,8 +81,8 @@ std::vector<std::string> default_methods() {
 }
 
 /// All that was asked for. Throws usage_error.
-std::vector<candidate> candidates_of(const evaluate_options& o) {
-    std::vector<candidate> chosen;
+candidate_list candidates_of(const evaluate_options& o) {
+    candidate_list chosen;
     for (const auto& [rows, columns] : sizes_of(o))
         for (const std::string& name : o.methods) {
             training_settings training = o.training;
@@ -111,15 +104,19 @@ std::vector<candidate> candidates_of(const evaluate_options& o) {
 }
 
 /// Throws usage_error.
-void check(const evaluate_options& o, const split_plan& plan, const std::vector<candidate>& chosen) {
+void check(const evaluate_options& o, const split_plan& plan, const candidate_list& chosen) {
     check_seeds(plan);
     if (o.training.shares.test <= 0)
         refuse("--test: expected a share above 0, since accuracy is measured on these images, found 0");
-    const std::vector<named_file> outputs = outputs_of(o, chosen);
-    check_outputs({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs, o.data);
-    tidy_folders_of(outputs);
-    if (std::ranges::any_of(chosen, [](const candidate& c) { return c.what->keeps_features(); }))
-        check_outside_classes(o.data, {{"--results", std::filesystem::path(o.results) / "features" / "any"}});
+    std::set<std::filesystem::path> pictures; // a method may be named twice
+    for (const candidate& c : chosen)
+        for (const std::size_t bits : bits_of(c))
+            for (const std::string_view kind : {"confusion", "reliability"})
+                if (kind == "confusion" || c.what->is_network())
+                    pictures.insert(picture_stem(o, kind, c.what->name, c.what->rows, c.what->columns, bits));
+    check_study_files(o.results, {"table.jsonl", "table.csv"}, pictures,
+                      {{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, o.data,
+                      chosen);
 }
 
 void report(const evaluate_options& o, const std::vector<study_row>& rows) {
@@ -144,10 +141,10 @@ void report(const evaluate_options& o, const std::vector<study_row>& rows) {
 }
 
 int evaluate(const evaluate_options& o) {
-    const split_plan plan{rules_of(o), o.first_seed, o.splits};
-    std::vector<candidate> chosen = candidates_of(o);
-    check(o, plan, chosen);
-    const candidate_list candidates(o.data, std::move(chosen));
+    const split_plan plan{rules_of(o.split), o.first_seed, o.splits};
+    candidate_list candidates = candidates_of(o);
+    check(o, plan, candidates);
+    load_candidates(candidates, o.data);
     const std::filesystem::path list = std::filesystem::path(o.results) / "evaluation.jsonl";
     if (o.afresh) {
         std::error_code ignored;
@@ -178,6 +175,77 @@ int evaluate(const evaluate_options& o) {
                       return std::map<std::string, frame_latency>{{here_by, time}};
                   },
                   here_by));
+    return success;
+}
+
+/// Throws tactnet::file_error unless the folder's classes are those of the weights.
+void check_classes(const evaluate_options& o, const loaded_weights& weights,
+                   const std::vector<std::string>& classes) {
+    if (classes.size() != weights.classes.size())
+        throw tactnet::file_error(
+            o.data, "",
+            fmt::format("{} classes, as {} tells apart", weights.classes.size(), o.weights.weights),
+            fmt::to_string(classes.size()));
+    const auto [expected, found] =
+        std::mismatch(weights.classes.begin(), weights.classes.end(), classes.begin());
+    if (weights.named && found != classes.end())
+        throw tactnet::file_error(o.data, "",
+                                  fmt::format("the classes of {}, of which number {} is {}",
+                                              o.weights.weights, found - classes.begin(),
+                                              tactnet::in_quotes(*expected)),
+                                  tactnet::in_quotes(*found));
+}
+
+/// Tests a weight file instead of training: on the test images of its split, or on all images of a folder.
+int evaluate_weights(const evaluate_options& o) {
+    const auto stem = [&](const char* kind) {
+        return std::filesystem::path(o.results) /
+               (kind + std::filesystem::path(o.weights.weights).stem().string());
+    };
+    std::vector<named_file> outputs = picture_files("--results", stem("confusion_"));
+    std::ranges::move(picture_files("--results", stem("reliability_")), std::back_inserter(outputs));
+    check_outputs({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs, o.data);
+    const loaded_weights weights = load_weights(o.weights);
+    const method& what = *weights.what;
+    const image_data data = load_data(o.data, what.rows, what.columns, o.training.resize);
+    const std::vector<std::string>& classes = data.images.classes;
+    check_classes(o, weights, classes);
+    const std::vector<std::size_t> chosen =
+        o.images == "all" ? tactnet::all_samples(data.images.size())
+                          : stored_split(o.weights.weights, weights.metadata, o.data, data).test;
+    if (chosen.empty())
+        throw tactnet::file_error(o.weights.weights, "", "a split with test images, or --images all", "none");
+
+    tactnet::thread_pool threads(o.jobs);
+    const tactnet::evaluation result = weights.trained->evaluate(data.view(), chosen, threads);
+    const std::size_t bits = weights.trained->bits();
+    method_costs costs = what.costs(classes.size());
+    if (bits == 8)
+        costs.parameter_bytes = what.eight_bit_bytes(classes.size());
+    const pinned here;
+    const frame_latency times = measure_latency(what.make_work(bits), what.frames_together());
+    plot_confusion(stem("confusion_"), o.weights.weights, result.confusion, classes);
+    print(table({{"method", "size", "images", "right", "accuracy, %", "loss", "parameters", "multiply-adds",
+                  "on pixels", "bytes", "µs/frame", "µs in batch"},
+                 {what.name, fmt::format("{}x{}", what.rows, what.columns),
+                  fmt::to_string(result.confusion.total()), fmt::to_string(result.confusion.correct()),
+                  fmt::format("{:.2f}", 100 * result.confusion.accuracy()),
+                  std::isnan(result.loss) ? "none" : fmt::format("{:.4f}", result.loss),
+                  grouped(costs.parameters), grouped(costs.multiply_adds),
+                  grouped(costs.multiply_adds_on_pixels), grouped(costs.parameter_bytes),
+                  fmt::format("{:.1f}", times.median), fmt::format("{:.1f}", times.in_batch)}}));
+    const calibration probabilities = calibration_of(result, chosen, data, weights.scaling);
+    if (!result.logits.empty()) {
+        plot_reliability(stem("reliability_"), o.weights.weights, probabilities);
+        table_cells cells{{"probabilities", "calibration error, %", "Brier score"}};
+        const auto add = [&](const std::string& by, const tactnet::reliability_diagram& of) {
+            cells.push_back({by, fmt::format("{:.2f}", 100 * of.calibration_error()),
+                             fmt::format("{:.4f}", of.brier_score())});
+        };
+        add("of the softmax", probabilities.before);
+        add(fmt::format("at temperature {:.3f}", weights.scaling.temperature), probabilities.after);
+        print('\n' + table(cells));
+    }
     return success;
 }
 

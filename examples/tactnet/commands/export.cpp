@@ -2,14 +2,14 @@
 // as another weight file.
 
 #include "commands/commands.hpp"
-#include "console/standard_streams.hpp"
+#include "console.hpp"
 #include "data/image_data.hpp"
-#include "evaluation/stored_split.hpp"
 #include "files/output_files.hpp"
 #include "methods/weights.hpp"
 #include "usage_error.hpp"
 
 #include <tactnet/io/write_file.hpp>
+#include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/text/quoting.hpp>
 
 #include <CLI/CLI.hpp>
@@ -18,7 +18,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -74,12 +73,10 @@ std::unique_ptr<trained_network> turned_to_bytes(const export_options& o, const 
                                   "weights in single precision, of which --bits 8 makes bytes", "'8'");
     check_bits(*weights.what, o.bits);
     const image_data data = load_data(o.data, weights.what->rows, weights.what->columns, o.weights.resize);
-    std::vector<std::size_t> chosen(data.images.size());
-    if (o.images == "all")
-        std::iota(chosen.begin(), chosen.end(), std::size_t{0});
-    else
-        chosen = stored_split(o.weights.weights, weights.metadata, o.data, data).training;
-    return in_eight_bits(*weights.trained, data.view(), chosen);
+    return in_eight_bits(*weights.trained, data.view(),
+                         o.images == "all"
+                             ? tactnet::all_samples(data.images.size())
+                             : stored_split(o.weights.weights, weights.metadata, o.data, data).training);
 }
 
 /// What the file said of itself, but for its tests in single precision.
@@ -93,9 +90,8 @@ tactnet::file_metadata metadata_in_bytes(const loaded_weights& weights) {
 
 int export_network(const export_options& o) {
     check(o);
-    const std::vector<named_file> outputs{{"--output", o.output}};
-    check_outputs({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs, o.data);
-    tidy_folders_of(outputs);
+    check_outputs({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}},
+                  {{"--output", o.output}}, o.data);
     const loaded_weights weights = load_weights(o.weights);
     const auto* network = dynamic_cast<const trained_network*>(weights.trained.get());
     if (network == nullptr)

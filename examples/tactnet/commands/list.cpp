@@ -1,7 +1,7 @@
 // tactnet list: the methods that were compiled in, and what they cost.
 
 #include "commands/commands.hpp"
-#include "console/standard_streams.hpp"
+#include "console.hpp"
 #include "methods/registry.hpp"
 #include "number_options.hpp"
 #include "reports/report.hpp"

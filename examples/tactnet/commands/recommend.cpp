@@ -1,7 +1,7 @@
 // tactnet recommend: the best network of a study within a budget.
 
 #include "commands/commands.hpp"
-#include "console/standard_streams.hpp"
+#include "console.hpp"
 #include "files/line_file.hpp"
 #include "number_options.hpp"
 #include "reports/report.hpp"

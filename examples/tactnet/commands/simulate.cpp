@@ -2,8 +2,7 @@
 
 #include "commands/commands.hpp"
 #include "commands/scenes.hpp"
-#include "console/progress.hpp"
-#include "console/standard_streams.hpp"
+#include "console.hpp"
 #include "data/input_file.hpp"
 #include "files/output_files.hpp"
 #include "number_options.hpp"
@@ -31,6 +30,7 @@
 #include <mutex>
 #include <printable.hpp>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -50,32 +50,14 @@ const simulated_scene& scene_of(std::string_view name) {
 }
 
 /// Throws file_error where the folder's note says anything else.
-void check_note(const std::filesystem::path& note, const nlohmann::json& says) {
-    const auto refuse = [&](const std::string& found) {
-        throw tactnet::file_error(note.string(), "",
-                                  "images of the same simulation, " + says.dump() + ", or another folder",
-                                  found);
-    };
+void check_note(const std::filesystem::path& note, const std::string& says) {
     check_no_device(note);
     const auto bytes = tactnet::read_file(note, std::size_t{1} << 20);
-    const auto* const text = reinterpret_cast<const char*>(bytes.data());
-    // A note has one level. To compare and to print values takes stack for each, and a hostile file could
-    // have as many as bytes.
-    constexpr int most_levels = 8;
-    bool deep = false;
-    const auto found = nlohmann::json::parse(
-        text, text + bytes.size(),
-        [&](int level, nlohmann::json::parse_event_t, const nlohmann::json&) {
-            deep = deep || level > most_levels;
-            return !deep; // what is deeper is left out
-        },
-        false);
-    if (deep)
-        refuse(fmt::format("JSON of more than {} levels", most_levels));
-    if (found.is_discarded()) // which compares as neither equal nor different
-        refuse("no JSON");
-    if (found != says)
-        refuse(found.dump());
+    const std::string_view found(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (found != says + '\n')
+        throw tactnet::file_error(note.string(), "",
+                                  "images of the same simulation, " + says + ", or another folder",
+                                  tactnet::in_quotes(found, 200));
 }
 
 /// But for what a killed simulation left where the system knows no locks to tell that it is dead.
@@ -92,11 +74,13 @@ bool is_as_good_as_empty(const std::filesystem::path& folder) {
 /// on with.
 void claim_folder(const simulate_options& o) {
     const std::filesystem::path folder = o.out, note = folder / "simulation.json";
-    const nlohmann::json says{{"scene", o.scene},
-                              {"seed", o.seed},
-                              {"images per class", o.per_class},
-                              {"library", fmt::format("{}.{}.{}", TACTNET_VERSION_MAJOR,
-                                                      TACTNET_VERSION_MINOR, TACTNET_VERSION_PATCH)}};
+    const std::string says =
+        nlohmann::json{{"scene", o.scene},
+                       {"seed", o.seed},
+                       {"images per class", o.per_class},
+                       {"library", fmt::format("{}.{}.{}", TACTNET_VERSION_MAJOR, TACTNET_VERSION_MINOR,
+                                               TACTNET_VERSION_PATCH)}}
+            .dump();
     std::error_code code;
     tactnet::remove_abandoned_files(folder);
     if (std::filesystem::exists(note, code)) {
@@ -109,7 +93,7 @@ void claim_folder(const simulate_options& o) {
                                       "a new folder, an empty one, or one that a simulation has begun",
                                       folder.empty() ? "no name" : "something else");
         make_folder_of(note);
-        tactnet::write_file(note, says.dump(4) + "\n");
+        tactnet::write_file(note, says + '\n');
     }
     for (const auto& family : paper_objects) {
         make_folder_of(folder / family.name / "image");

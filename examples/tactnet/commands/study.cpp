@@ -1,9 +1,8 @@
 // tactnet study: the paper's experiments again, and what they cost in time, on one page.
 
 #include "commands/commands.hpp"
-#include "console/progress.hpp"
-#include "console/standard_streams.hpp"
-#include "evaluation/candidates.hpp"
+#include "console.hpp"
+#include "evaluation/trainings.hpp"
 #include "files/claims.hpp"
 #include "files/output_files.hpp"
 #include "methods/registry.hpp"
@@ -58,13 +57,6 @@ shard shard_of(const std::string& text) {
         text.find_first_not_of("0123456789/") != text.npos)
         refuse("--shard: expected a part of all such as 1/4, from 1 on, found '{}'", text);
     return {*index - 1, *count};
-}
-
-split_plan splits_of(const study_options& o) {
-    using tactnet::split_rule;
-    return {o.split == "both" ? std::vector{split_rule::random, split_rule::blocked}
-                              : std::vector{split_rule_of(o.split)},
-            0, o.splits};
 }
 
 /// Takes over what other folders of results have.
@@ -193,24 +185,13 @@ std::vector<peer_time> peer_times(const study_options& o) {
 
 /// Throws usage_error.
 void check(const study_options& o, const study_plan& plan) {
-    const std::filesystem::path folder = o.results;
-    std::vector<named_file> outputs;
-    for (const char* name :
-         {"evaluation.jsonl", "timings.jsonl", "study.jsonl", "study.csv", "study.md", "study.html"})
-        outputs.push_back({"--results", folder / name});
-    for (const char* picture : {"accuracy_and_time", "accuracy_and_tactels", "learning_curves"})
-        std::ranges::move(picture_files("--results", folder / picture), std::back_inserter(outputs));
-    std::vector<named_file> inputs;
+    std::vector<named_file> inputs{{"--code-bytes", o.code_bytes}};
     for (const auto& [name, file] : pretrained_files(o))
         inputs.push_back({"--pretrained", file});
     for (const std::string& file : o.peers)
         inputs.push_back({"--peers", file});
-    if (!o.code_bytes.empty())
-        inputs.push_back({"--code-bytes", o.code_bytes});
-    check_outputs(inputs, outputs, o.data);
-    tidy_folders_of(outputs);
-    if (std::ranges::any_of(plan.candidates, [](const candidate& c) { return c.what->keeps_features(); }))
-        check_outside_classes(o.data, {{"--results", folder / "features" / "any"}});
+    check_study_files(o.results, {"timings.jsonl", "study.jsonl", "study.csv", "study.md", "study.html"}, {},
+                      inputs, o.data, plan.candidates);
     if (plan.candidates.empty())
         refuse(
             "--methods, --sizes, --recipes: expected something to study, found nothing that can be trained");
@@ -219,23 +200,20 @@ void check(const study_options& o, const study_plan& plan) {
 int study(const study_options& o) {
     const std::filesystem::path folder = o.results;
     const shard part = shard_of(o.shard);
-    if (o.report_only && part.count > 1)
-        refuse("--report-only, --shard: expected one of them, found both; a part has no report");
     study_plan plan = plan_of(o);
     check(o, plan);
     const std::vector<peer_time> peers = peer_times(o);
     const std::vector<code_size> code =
         o.code_bytes.empty() ? std::vector<code_size>{} : read_code_bytes(o.code_bytes);
-    const split_plan splits = splits_of(o);
-    const std::size_t count = plan.candidates.size();
-    const candidate_list candidates(o.data, std::move(plan.candidates));
+    const split_plan splits{rules_of(o.split), 0, o.splits};
+    const candidate_list& candidates = plan.candidates;
+    load_candidates(plan.candidates, o.data);
     catch_interrupts();
     const auto stopped = [] {
         tell("stopped; the same command goes on with what is left\n");
         return int{interrupted_by_user};
     };
     if (o.times_only) {
-        make_folder_of(folder / "timings.jsonl");
         timing_list timings(folder / "timings.jsonl");
         return time_all(candidates, timings, folder) ? int{success} : stopped();
     }
@@ -245,7 +223,8 @@ int study(const study_options& o) {
     const std::string elsewhere = o.report_only ? take_from_elsewhere(all, results) : "";
     std::vector<task> to_do;
     for (std::size_t i = 0; i < all.size(); ++i)
-        if (!o.report_only && part.has(i, splits, count) && results.find(all[i].settings) == nullptr)
+        if (!o.report_only && part.has(i, splits, candidates.size()) &&
+            results.find(all[i].settings) == nullptr)
             to_do.push_back(all[i]);
     if (!o.report_only)
         tell("{} trainings to do, of {} in all ({})\n", to_do.size(), all.size(),
@@ -284,7 +263,7 @@ int study(const study_options& o) {
     if (o.only_trained)
         std::erase_if(rows, [](const study_row& row) { return row.accuracies.empty(); });
     std::ranges::move(plan.not_built, std::back_inserter(rows));
-    const image_data& data = *candidates.begin()->data;
+    const image_data& data = *candidates.front().data;
     report(folder, rows, peers,
            {fmt::format("{} images of {} classes in {}; {} {} splits{}", data.images.size(),
                         data.images.classes.size(), printable(o.data), o.splits,
@@ -342,7 +321,8 @@ command add_study(CLI::App& program) {
     app->add_option("--merge", o->merged, "Folders of other parts, whose trainings are taken over")
         ->delimiter(',');
     app->add_flag("--report-only", o->report_only,
-                  "Train and time nothing; write what is there, by other versions and instruction sets too");
+                  "Train and time nothing; write what is there, by other versions and instruction sets too")
+        ->excludes("--shard"); // a part has no report
     app->add_flag("--only-trained", o->only_trained,
                   "Leave out of the report methods without a training; those of the paper that were not "
                   "compiled in stay");

@@ -1,10 +1,10 @@
 // tactnet train: one method on one split of a folder of images.
 
 #include "commands/commands.hpp"
-#include "commands/epochs.hpp"
-#include "console/standard_streams.hpp"
+#include "console.hpp"
 #include "data/image_data.hpp"
-#include "evaluation/calibration.hpp"
+#include "data/input_file.hpp"
+#include "evaluation/results.hpp"
 #include "files/claims.hpp"
 #include "files/output_files.hpp"
 #include "methods/description.hpp"
@@ -15,7 +15,8 @@
 #include "reports/report.hpp"
 #include "usage_error.hpp"
 
-#include <tactnet/io/write_file.hpp>
+#include <tactnet/io/checkpoint.hpp>
+#include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/text/numbers.hpp>
 
@@ -23,6 +24,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <interrupt.hpp>
 #include <iterator>
@@ -30,9 +32,120 @@
 #include <printable.hpp>
 #include <stdexcept>
 #include <stopwatch.hpp>
+#include <string>
 #include <system_error>
+#include <vector>
 
 namespace {
+
+struct checkpoint_options {
+    std::filesystem::path path;
+    double minutes;                  ///< between checkpoints of a running training
+    bool resume;                     ///< go on from the one that is there
+    tactnet::file_metadata settings; ///< of the training
+};
+
+/// How far a training is that began `seconds` ago after `before` epochs.
+std::string progress_text(const std::vector<tactnet::epoch_report>& history, std::size_t epochs,
+                          std::size_t images, std::size_t before, double seconds) {
+    const tactnet::epoch_report& e = history.back();
+    const double done = static_cast<double>(e.epoch - before);
+    const double left = seconds / done * static_cast<double>(epochs - e.epoch);
+    std::string text = fmt::format("epoch {} of {}, loss {:.4f}", e.epoch, epochs, e.loss);
+    const auto validated = std::find_if(history.rbegin(), history.rend(), [](const auto& past) {
+        return !std::isnan(past.validation_accuracy);
+    });
+    if (validated != history.rend())
+        text += fmt::format(", validation {:.1f} %", 100 * validated->validation_accuracy);
+    return text + fmt::format(", {:.0f} images/s, {} left", static_cast<double>(images) * done / seconds,
+                              duration_text(left));
+}
+
+/// Empty, or why the checkpoint could not be written.
+std::string keep(network_training& training, const checkpoint_options& checkpoint) {
+    try {
+        make_folder_of(checkpoint.path);
+        training.save_checkpoint(checkpoint.path, checkpoint.settings);
+        return {};
+    } catch (const std::runtime_error& error) {
+        return error.what();
+    }
+}
+
+/// Throws usage_error where there is one: hours of work may be in there. With `afresh` it is given up, and
+/// only another file of that name is refused. A finished training removes its own.
+void check_no_checkpoint(const std::filesystem::path& path, bool afresh) {
+    std::error_code code;
+    if (!std::filesystem::is_regular_file(path, code))
+        return;
+    if (!afresh)
+        refuse("{}: expected no checkpoint here, found one of an unfinished training; --resume goes on from "
+               "it, --afresh gives it up, --checkpoint takes another name",
+               path.string());
+    std::string format;
+    try {
+        const auto file = tactnet::safetensors_source::open(path, tactnet::checksum_rule::ignore);
+        if (const auto found = file.metadata().find("format"); found != file.metadata().end())
+            format = found->second;
+    } catch (const tactnet::file_error&) { // someone else's file
+    }
+    if (format != "tactnet checkpoint")
+        refuse("{}: expected a checkpoint, which --afresh gives up, found another file; --checkpoint takes "
+               "another name",
+               path.string());
+}
+
+/// Throws tactnet::file_error unless there is a checkpoint of a training with these settings.
+void check_resumable(const checkpoint_options& checkpoint) {
+    check_no_device(checkpoint.path);
+    tactnet::check_checkpoint(checkpoint.path, checkpoint.settings);
+}
+
+/// Keeps a finished training whose results could not be written, and reports it.
+void keep_unwritten(network_training& training, const checkpoint_options& checkpoint) {
+    if (const std::string problem = keep(training, checkpoint); !problem.empty())
+        tell("warning: no checkpoint of the finished training either ({})\n", printable(problem));
+    else
+        tell("the finished training is kept: the same command with --resume writes what comes of it, from "
+             "{}\n",
+             printable(checkpoint.path.string()));
+}
+
+/// Trains until done or interrupted; returns whether it is done.
+bool run_epochs(network_training& training, std::size_t epochs, const checkpoint_options& checkpoint) {
+    if (checkpoint.resume)
+        if (training.load_checkpoint(checkpoint.path, checkpoint.settings) == tactnet::checksum_state::absent)
+            tell("{}: no checksum in it, so that damage may go unnoticed\n",
+                 printable(checkpoint.path.string()));
+    catch_interrupts();
+    progress line;
+    const stopwatch watch;
+    const std::size_t before = training.history().size();
+    double saved = 0;
+    while (!training.finished() && !interrupted()) {
+        training.advance();
+        const double seconds = watch.seconds();
+        line.show(progress_text(training.history(), epochs, training.images_per_epoch(), before, seconds),
+                  training.finished());
+        if (seconds - saved <= 60 * checkpoint.minutes)
+            continue;
+        saved = seconds;
+        if (const std::string problem = keep(training, checkpoint); !problem.empty()) {
+            line.end_line();
+            tell("warning: no checkpoint of epoch {} ({}); the training goes on\n", training.history().size(),
+                 printable(problem));
+        }
+    }
+    if (training.finished())
+        return true;
+    line.end_line();
+    if (const std::string problem = keep(training, checkpoint); !problem.empty())
+        refuse("stopped after epoch {} of {}, without a checkpoint of it: {}", training.history().size(),
+               epochs, problem);
+    tell("stopped after epoch {} of {}; the same command with --resume goes on from {}\n",
+         training.history().size(), epochs, printable(checkpoint.path.string()));
+    return false;
+}
 
 struct train_options {
     training_settings training;
@@ -85,12 +198,9 @@ output_files files_for(const method& what, const train_options& o) {
         outputs.push_back({"--checkpoint", files.checkpoint});
         claimed.push_back(outputs.back());
         more = picture_files(option, reports + ".learning");
-        more.push_back({option, reports + ".learning.jsonl"});
     }
-    if (what.keeps_features()) {
+    if (what.keeps_features())
         outputs.push_back({"--output", files.features});
-        claimed.push_back(outputs.back());
-    }
     std::ranges::move(picture_files(option, reports + ".confusion"), std::back_inserter(more));
     std::ranges::move(more, std::back_inserter(outputs));
     check_regular(outputs);
@@ -103,7 +213,6 @@ output_files files_for(const method& what, const train_options& o) {
                    of, printable(path.string()));
     if (what.is_network() && !o.resume)
         check_no_checkpoint(files.checkpoint, o.afresh);
-    tidy_folders_of(outputs);
     return files;
 }
 
@@ -114,8 +223,6 @@ void write_reports(const train_options& o, const std::filesystem::path& reports,
     const std::string title = fmt::format("{} {}x{}", o.method, o.training.rows, o.training.columns);
     make_folder_of(reports);
     if (training != nullptr) {
-        tactnet::write_file(reports.string() + ".learning.jsonl",
-                            learning_curve_json_lines(training->history()));
         const std::vector<titled_curve> curves{
             {fmt::format("{}, {} recipe", title, recipe), training->history()}};
         plot_learning_curves(reports.string() + ".learning", curves);

@@ -18,27 +18,23 @@ public:
     enum class found { nothing, these_rows, others };
 
     /// Opens or makes a file for `rows` rows of `size` numbers; `settings` are all that decides the numbers.
-    /// `is_ours`: whether nobody else can have made a file of that name. Throws tactnet::file_error.
+    /// `is_ours`: whether nobody else can have made a file of that name. One program at a time may look and
+    /// write: see claims. Throws tactnet::file_error.
     row_store(const std::filesystem::path& path, const tactnet::file_metadata& settings, std::size_t rows,
               std::size_t size, bool is_ours);
     row_store(const row_store&) = delete;
     row_store& operator=(const row_store&) = delete;
     ~row_store();
 
-    /// Claims the file for writing until it is released. False while another program has it. Throws
-    /// tactnet::file_error.
-    bool claim();
-    void release();
-
-    /// Under the claim: what is in the file, which is begun anew unless it is of these settings. Throws
-    /// tactnet::file_error; also for another program's file, unless it must be ours.
+    /// What is in the file, which is begun anew unless it is of these settings. Throws tactnet::file_error;
+    /// also for another program's file, unless it must be ours.
     found look();
     /// Those that are not there, or are damaged; known after `look`.
     const std::vector<std::size_t>& missing() const { return missing_; }
     /// How many of the missing ones are there and damaged.
     std::size_t damaged() const { return damaged_; }
 
-    /// Under the claim. Throws tactnet::file_error.
+    /// Throws tactnet::file_error.
     void write(std::size_t row, std::span<const float> values);
     /// Rows are on the disk when this returns.
     void flush();
@@ -46,11 +42,15 @@ public:
     void read(std::size_t row, std::span<float> to) const;
 
 private:
-    std::uint64_t checksum(std::size_t row, std::span<const float> values) const;
-    /// Where a row begins, bytes.
-    std::int64_t place(std::size_t row) const;
-    /// Whether it is there and right.
+    /// Bytes of a row: its numbers, then their checksum.
+    std::size_t row_bytes() const { return size_ * sizeof(float) + sizeof(std::uint64_t); }
+    std::size_t place(std::size_t row) const { return head_.size() + row * row_bytes(); }
+    std::uint64_t checksum(std::size_t row, std::span<const std::byte> values) const;
+    /// Whether the row is there and right.
     bool read_row(std::size_t row, std::span<float> to) const;
+    /// Returns how many bytes there are at the place.
+    std::size_t get(std::span<std::byte> to, std::size_t place) const;
+    void put(std::span<const std::byte> from, std::size_t place);
     [[noreturn]] void fail(const char* expected, int error) const;
 
     std::filesystem::path path_;

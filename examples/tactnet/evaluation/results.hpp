@@ -3,9 +3,12 @@
 // Finished trainings of an evaluation, in a file of JSON lines that grows by one as each is done. What is in
 // there need not be done again.
 
-#include "evaluation/calibration.hpp"
+#include "data/image_data.hpp"
 #include "files/line_file.hpp"
+#include "methods/method.hpp"
 
+#include <tactnet/decision/reliability_diagram.hpp>
+#include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/metrics.hpp>
@@ -17,6 +20,22 @@
 #include <optional>
 #include <span>
 #include <vector>
+
+/// Fits a temperature to the results on images that a network was not trained on. Nothing without such
+/// images, and for methods without probabilities.
+std::optional<tactnet::temperature_scaling> fit_temperature(const tactnet::evaluation& held_out,
+                                                            std::span<const std::size_t> images,
+                                                            const image_data& data);
+
+/// How well the probabilities of a network agree with how often it is right.
+struct calibration {
+    tactnet::temperature_scaling scaling{};
+    /// Of the same images, by the softmax and by the scaled one; empty for methods without probabilities.
+    tactnet::reliability_diagram before{}, after{};
+};
+
+calibration calibration_of(const tactnet::evaluation& result, std::span<const std::size_t> images,
+                           const image_data& data, const tactnet::temperature_scaling& scaling);
 
 struct training_result {
     tactnet::file_metadata settings; ///< see describe_training

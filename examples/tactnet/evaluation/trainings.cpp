@@ -1,12 +1,14 @@
 #include "evaluation/trainings.hpp"
 
-#include "console/progress.hpp"
-#include "console/standard_streams.hpp"
+#include "console.hpp"
 #include "data/input_file.hpp"
-#include "evaluation/calibration.hpp"
 #include "files/claims.hpp"
+#include "methods/description.hpp"
+#include "methods/registry.hpp"
 #include "methods/weights.hpp"
+#include "usage_error.hpp"
 
+#include <tactnet/io/file_error.hpp>
 #include <tactnet/training/loop.hpp>
 
 #include <fmt/format.h>
@@ -18,8 +20,12 @@
 #include <exception>
 #include <filesystem>
 #include <interrupt.hpp>
+#include <limits>
 #include <list>
+#include <map>
+#include <memory>
 #include <mutex>
+#include <set>
 #include <span>
 #include <stopwatch.hpp>
 #include <string>
@@ -27,6 +33,19 @@
 #include <utility>
 
 namespace {
+
+/// How many there are does not depend on the rule or the seed.
+void check_test_images(const std::filesystem::path& folder, const training_settings& training,
+                       const image_data& data) {
+    const auto split = tactnet::split_data(data.images.labels, data.images.classes.size(),
+                                           tactnet::split_rule::random, 0, training.shares);
+    if (split.test.empty())
+        throw tactnet::file_error(
+            folder.string(), "",
+            fmt::format("enough images for a test, of which --test takes a share of {}",
+                        training.shares.test),
+            fmt::format("{} of {} classes", data.images.size(), data.images.classes.size()));
+}
 
 /// Tests a trained method on the images of its split.
 training_result result_of(const trained_method& trained, const image_data& data, const training_run& training,
@@ -238,8 +257,7 @@ private:
     progress line_;
 };
 
-} // namespace
-
+/// Side by side, each on one thread.
 bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& results,
              std::vector<std::string>* diverged) {
     side_by_side shared(tasks, results, diverged);
@@ -257,4 +275,61 @@ bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& resu
     }
     shared.end();
     return !interrupted();
+}
+
+} // namespace
+
+std::vector<tactnet::split_rule> rules_of(const std::string& names) {
+    if (names == "both")
+        return {tactnet::split_rule::random, tactnet::split_rule::blocked};
+    return {split_rule_of(names)};
+}
+
+void check_seeds(const split_plan& plan) {
+    if (plan.splits - 1 > std::numeric_limits<std::uint64_t>::max() - plan.first_seed)
+        refuse("--seed, --splits: expected seeds below 2^64 for all splits, found {} "
+               "of them from {} on",
+               plan.splits, plan.first_seed);
+}
+
+void load_candidates(candidate_list& list, const std::filesystem::path& data) {
+    std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const image_data>> loaded;
+    for (candidate& c : list) {
+        std::shared_ptr<const image_data>& images = loaded[{c.what->rows, c.what->columns}];
+        if (!images)
+            images = std::make_shared<const image_data>(
+                load_data(data, c.what->rows, c.what->columns, c.training.resize));
+        c.data = images;
+        check_capacity(*c.what, data.string(), images->images.classes.size());
+        check_test_images(data, c.training, *images);
+        c.start = load_start(*c.what, c.training, images->images.classes);
+        c.pretrained = open_pretrained(*c.what, c.training);
+    }
+}
+
+std::vector<task> tasks_of(const candidate_list& candidates, const split_plan& plan) {
+    std::vector<task> all;
+    for (std::size_t split = 0; split < plan.splits; ++split)
+        for (const candidate& c : candidates)
+            for (const tactnet::split_rule rule : plan.rules) {
+                const std::uint64_t seed = plan.first_seed + split;
+                all.push_back({&c, rule, seed, describe_training(*c.what, c.training, rule, seed, *c.data)});
+            }
+    return all;
+}
+
+bool train_all(const std::vector<task>& to_do, std::size_t jobs, result_list& results,
+               std::vector<std::string>* diverged) {
+    std::set<const candidate*> with_features;
+    for (const task& t : to_do)
+        if (t.of->pretrained)
+            with_features.insert(t.of);
+    if (!with_features.empty()) {
+        tactnet::thread_pool pool(jobs);
+        const auto folder = results.path().parent_path() / "features";
+        for (const candidate* c : with_features)
+            if (!c->pretrained->prepare(*c->data, {folder, true}, pool))
+                return false;
+    }
+    return to_do.empty() || run_all(to_do, jobs, results, diverged);
 }

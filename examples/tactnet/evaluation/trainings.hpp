@@ -1,6 +1,6 @@
 #pragma once
 
-// The trainings of an evaluation, many at once.
+// What an evaluation or a study compares, methods with their images, and its trainings, many at once.
 
 #include "data/image_data.hpp"
 #include "evaluation/results.hpp"
@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,7 +18,7 @@
 struct candidate {
     const method* what;
     training_settings training;
-    const image_data* data;
+    std::shared_ptr<const image_data> data{};
     std::shared_ptr<const trained_method> start{};
     std::shared_ptr<pretrained_weights> pretrained{};
 };
@@ -35,8 +36,29 @@ struct task {
     tactnet::file_metadata settings;
 };
 
-/// Runs the tasks side by side, each on one thread; results are kept as they come. Several programs on one
-/// file of results share the tasks. False if interrupted. Trainings that diverge are added to `diverged` and
-/// left out; without such a list the first one ends all.
-bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& results,
-             std::vector<std::string>* diverged = nullptr);
+struct split_plan {
+    std::vector<tactnet::split_rule> rules;
+    std::uint64_t first_seed = 0;
+    std::size_t splits = 10; ///< by each rule; their seeds follow the first
+};
+
+/// The rules of "random", "blocked" or "both".
+std::vector<tactnet::split_rule> rules_of(const std::string& names);
+
+/// Throws usage_error for seeds beyond 64 bits.
+void check_seeds(const split_plan& plan);
+
+using candidate_list = std::vector<candidate>;
+/// Loads images, the network to start from and pretrained weights. Throws usage_error and
+/// tactnet::file_error for all that can be wrong.
+void load_candidates(candidate_list& list, const std::filesystem::path& data);
+
+/// All trainings of the plan, split by split, so that early results say something of every candidate.
+std::vector<task> tasks_of(const candidate_list& candidates, const split_plan& plan);
+
+/// Does the trainings, `jobs` at a time, each on one thread, and first finds what pretrained networks make of
+/// the images for those that need it; this is kept beside the results, which are kept as they come. Several
+/// programs on one file of results share the tasks. False if interrupted. Trainings that diverge are added to
+/// `diverged` and left out; without such a list the first one ends all.
+bool train_all(const std::vector<task>& to_do, std::size_t jobs, result_list& results,
+               std::vector<std::string>* diverged = nullptr);

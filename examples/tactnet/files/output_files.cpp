@@ -37,36 +37,51 @@ void check_pair(const named_file& a, const named_file& b) {
         return;
     const std::string found = tactnet::in_quotes(a.path.string()),
                       other = tactnet::in_quotes(b.path.string());
-    throw usage_error(
-        fmt::format("{} and {}: expected different files, found {}{}", a.option, b.option, found,
-                    found == other ? " for both" : fmt::format(" and {}, which are the same", other)));
+    refuse("{} and {}: expected different files, found {}{}", a.option, b.option, found,
+           found == other ? " for both" : fmt::format(" and {}, which are the same", other));
 }
 
 /// Throws usage_error unless a file could be written there, in folders that need not exist yet.
 void check_writable(const fs::path& path) {
-    const auto refuse = [&](const char* expected, const std::string& found) {
-        throw usage_error(fmt::format("{}: expected {}, found {}", path.string(), expected, found));
+    const auto refuse_path = [&](const char* expected, const std::string& found) {
+        refuse("{}: expected {}, found {}", path.string(), expected, found);
     };
     std::error_code code;
     if (path.filename().empty() || fs::is_directory(path, code))
-        refuse("the name of a file to write", "a folder");
+        refuse_path("the name of a file to write", "a folder");
     // Opening one waits for a reader, perhaps for ever. Those that a shell makes (/dev/fd) have one.
     if (fs::is_fifo(path, code) && !fs::is_symlink(path, code))
-        refuse("a regular file", "a named pipe");
+        refuse_path("a regular file", "a named pipe");
     const fs::path whole = fs::absolute(path).lexically_normal();
     fs::path folder = whole.parent_path();
     while (!fs::exists(folder, code) && folder != folder.parent_path())
         folder = folder.parent_path();
     if (!fs::is_directory(folder, code))
-        refuse("a folder to write in", "a file at " + folder.string());
+        refuse_path("a folder to write in", "a file at " + folder.string());
     if (::access(folder.c_str(), W_OK | X_OK) != 0)
-        refuse("a folder to write in", "no permission for " + folder.string());
+        refuse_path("a folder to write in", "no permission for " + folder.string());
     // Each name by itself, since what is in a missing folder is not looked at.
     struct stat ignored {};
     for (const fs::path& name : whole.lexically_relative(folder))
         if (::lstat((folder / name).c_str(), &ignored) != 0 && errno != ENOENT)
-            refuse("the name of a file that can be written",
-                   fmt::format("'{}'", std::generic_category().message(errno)));
+            refuse_path("the name of a file that can be written",
+                        fmt::format("'{}'", std::generic_category().message(errno)));
+}
+
+/// Throws usage_error where an output would lie in a subfolder of `data`, which is a class of images:
+/// pictures of results would become images of it.
+void check_outside_classes(const fs::path& data, const std::vector<named_file>& outputs) {
+    const fs::path folder = resolved(data / ".");
+    for (const named_file& output : outputs) {
+        const fs::path inside = resolved(output.path).lexically_relative(folder);
+        // Hidden folders are no classes; a file beside the classes' folders is none either.
+        if (std::distance(inside.begin(), inside.end()) < 2 || inside.begin()->string().starts_with('.'))
+            continue;
+        refuse("{}: expected a place outside the folders of classes, since what is "
+               "written there would be taken for images, found {} in {}",
+               output.option, tactnet::in_quotes(output.path.string()),
+               tactnet::in_quotes((data / *inside.begin()).string()));
+    }
 }
 
 } // namespace
@@ -84,20 +99,12 @@ void check_outputs(const std::vector<named_file>& inputs, const std::vector<name
     }
     if (!data.empty())
         check_outside_classes(data, outputs);
-}
-
-void check_outside_classes(const fs::path& data, const std::vector<named_file>& outputs) {
-    const fs::path folder = resolved(data / ".");
-    for (const named_file& output : outputs) {
-        const fs::path inside = resolved(output.path).lexically_relative(folder);
-        // Hidden folders are no classes; a file beside the classes' folders is none either.
-        if (std::distance(inside.begin(), inside.end()) < 2 || inside.begin()->string().starts_with('.'))
-            continue;
-        throw usage_error(fmt::format("{}: expected a place outside the folders of classes, since what is "
-                                      "written there would be taken for images, found {} in {}",
-                                      output.option, tactnet::in_quotes(output.path.string()),
-                                      tactnet::in_quotes((data / *inside.begin()).string())));
-    }
+    std::set<fs::path> folders;
+    for (const named_file& output : outputs)
+        if (const auto folder = output.path.parent_path(); folders.insert(folder).second) {
+            tactnet::remove_abandoned_files(folder);
+            remove_abandoned_claims(folder);
+        }
 }
 
 void check_regular(const std::vector<named_file>& outputs) {
@@ -105,9 +112,8 @@ void check_regular(const std::vector<named_file>& outputs) {
         std::error_code code;
         const auto status = fs::status(path, code);
         if (fs::exists(status) && !fs::is_regular_file(status))
-            throw usage_error(fmt::format("{}: expected the name of a file to write, found {} at {}", option,
-                                          fs::is_directory(status) ? "a folder" : "a device or a pipe",
-                                          printable(path.string())));
+            refuse("{}: expected the name of a file to write, found {} at {}", option,
+                   fs::is_directory(status) ? "a folder" : "a device or a pipe", printable(path.string()));
     }
 }
 
@@ -123,15 +129,5 @@ void make_folder_of(const fs::path& path) {
     if (path.has_parent_path())
         fs::create_directories(path.parent_path(), code);
     if (code)
-        throw usage_error(fmt::format("{}: expected to make the folder, found '{}'",
-                                      path.parent_path().string(), code.message()));
-}
-
-void tidy_folders_of(const std::vector<named_file>& outputs) {
-    std::set<fs::path> folders;
-    for (const named_file& output : outputs)
-        if (const auto folder = output.path.parent_path(); folders.insert(folder).second) {
-            tactnet::remove_abandoned_files(folder);
-            remove_abandoned_claims(folder);
-        }
+        refuse("{}: expected to make the folder, found '{}'", path.parent_path().string(), code.message());
 }

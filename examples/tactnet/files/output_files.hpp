@@ -13,13 +13,10 @@ struct named_file {
 };
 
 /// Throws usage_error unless all outputs can be written, are neither inputs nor each other, also by links,
-/// and lie outside the classes of the images in `data`, if that is a name.
+/// and lie outside the classes of the images in `data`, if that is a name. Then removes what killed programs
+/// have left in their folders: half-written files, claims.
 void check_outputs(const std::vector<named_file>& inputs, const std::vector<named_file>& outputs,
                    const std::filesystem::path& data = {});
-
-/// Throws usage_error where an output would lie in a subfolder of `data`, which is a class of images:
-/// pictures of results would become images of it.
-void check_outside_classes(const std::filesystem::path& data, const std::vector<named_file>& outputs);
 
 /// Throws usage_error where one is a device or a pipe: other files go beside it, and some are removed.
 void check_regular(const std::vector<named_file>& outputs);
@@ -29,6 +26,3 @@ std::vector<named_file> picture_files(const std::string& option, const std::file
 
 /// Makes the folder of a file, if there is none. Throws usage_error.
 void make_folder_of(const std::filesystem::path& path);
-
-/// Removes what killed programs have left in the folders of the outputs: half-written files, claims.
-void tidy_folders_of(const std::vector<named_file>& outputs);

@@ -2,6 +2,7 @@
 
 // A weight file, and what the user says about it where it does not do so itself.
 
+#include "data/image_data.hpp"
 #include "methods/method.hpp"
 #include "methods/training_settings.hpp"
 
@@ -49,3 +50,8 @@ void start(training_run& training, const trained_method* from);
 std::unique_ptr<trained_network> in_eight_bits(const trained_method& trained,
                                                const tactnet::labelled_images& images,
                                                std::span<const std::size_t> chosen);
+
+/// The split of the images that a weight file was trained on, as it says itself. Throws tactnet::file_error
+/// for a file that no training has written, and for other images than those of the training.
+tactnet::data_split stored_split(const std::string& file, const tactnet::file_metadata& metadata,
+                                 const std::string& folder, const image_data& data);

@@ -1,6 +1,6 @@
 #include "reports/pictures.hpp"
 
-#include "console/standard_streams.hpp"
+#include "console.hpp"
 #include "files/output_files.hpp"
 #include "reports/report.hpp"
 

@@ -2,7 +2,7 @@
 
 // Pictures, drawn by gnuplot if it is installed: each from a CSV file, by a script that the program holds.
 
-#include "evaluation/calibration.hpp"
+#include "evaluation/results.hpp"
 
 #include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/metrics.hpp>

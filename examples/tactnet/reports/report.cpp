@@ -132,16 +132,3 @@ std::string escaped(std::string_view text) {
                              : std::string(1, c);
     return result;
 }
-
-std::string learning_curve_json_lines(std::span<const tactnet::epoch_report> history) {
-    std::string text;
-    for (const auto& e : history) // a NaN is null
-        text += nlohmann::ordered_json{{"epoch", e.epoch},
-                                       {"rate", e.rate},
-                                       {"loss", e.loss},
-                                       {"validation_loss", e.validation_loss},
-                                       {"validation_accuracy", e.validation_accuracy}}
-                    .dump() +
-                '\n';
-    return text;
-}

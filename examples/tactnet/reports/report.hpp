@@ -2,8 +2,6 @@
 
 // Results as text: tables for people, CSV and JSON lines for programs.
 
-#include <tactnet/training/loop/progress.hpp>
-
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstddef>
@@ -35,9 +33,6 @@ std::string html_table(const table_cells& rows, bool shaded = false);
 
 /// For the text of HTML and for attributes in double quotes.
 std::string escaped(std::string_view text);
-
-/// One line an epoch.
-std::string learning_curve_json_lines(std::span<const tactnet::epoch_report> history);
 
 /// The text of a file of this program, such as "confusion.gnuplot", which the build has put into it.
 std::string_view embedded(std::string_view name);

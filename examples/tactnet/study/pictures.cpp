@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <iterator>
 #include <map>
 #include <string_view>
 #include <utility>
@@ -187,4 +188,20 @@ draw_study_pictures(const std::vector<study_picture>& pictures, const std::files
             draw(script, folder / (picture.name + ".csv"), "svg", {.names = picture.series}).picture);
     }
     return drawn;
+}
+
+void check_study_files(const std::filesystem::path& folder, std::vector<std::string> files,
+                       std::set<std::filesystem::path> pictures, const std::vector<named_file>& inputs,
+                       const std::filesystem::path& data, const candidate_list& candidates) {
+    files.push_back("evaluation.jsonl");
+    if (std::ranges::any_of(candidates, [](const candidate& c) { return c.what->keeps_features(); }))
+        files.push_back("features/any");
+    std::vector<named_file> outputs;
+    for (const std::string& name : files)
+        outputs.push_back({"--results", folder / name});
+    for (const char* name : {"accuracy_and_time", "accuracy_and_tactels", "learning_curves"})
+        pictures.insert(folder / name);
+    for (const std::filesystem::path& stem : pictures)
+        std::ranges::move(picture_files("--results", stem), std::back_inserter(outputs));
+    check_outputs(inputs, outputs, data);
 }

@@ -3,9 +3,11 @@
 // The pictures of a study: each as CSV and PNG beside the page, and as SVG in it, where the pointer asks what
 // a point is.
 
+#include "files/output_files.hpp"
 #include "study/rows.hpp"
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,3 +27,9 @@ std::vector<study_picture> study_pictures(const std::vector<study_row>& rows,
 /// Draws them in a folder as PNG. Returns captions, and SVG where it could be drawn.
 std::vector<std::pair<std::string, std::string>>
 draw_study_pictures(const std::vector<study_picture>& pictures, const std::filesystem::path& folder);
+
+/// Checks the inputs of trainings and all that they leave in a folder of results: `files`, `pictures` by
+/// their stems, those of a study and what every evaluation has. See check_outputs.
+void check_study_files(const std::filesystem::path& folder, std::vector<std::string> files,
+                       std::set<std::filesystem::path> pictures, const std::vector<named_file>& inputs,
+                       const std::filesystem::path& data, const candidate_list& candidates);

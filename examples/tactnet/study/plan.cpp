@@ -23,9 +23,9 @@ std::map<std::string, std::string, std::less<>> pretrained_files(const study_opt
         const std::string name = text.substr(0, middle);
         if (middle == std::string::npos ||
             std::ranges::none_of(photograph_networks::all, [&](const auto& n) { return n.name == name; }))
-            throw usage_error(fmt::format("--pretrained: expected a network and its file, such as "
-                                          "squeezenet=FILE, found '{}'",
-                                          text));
+            refuse("--pretrained: expected a network and its file, such as "
+                   "squeezenet=FILE, found '{}'",
+                   text);
         files[name] = text.substr(middle + 1);
     }
     return files;

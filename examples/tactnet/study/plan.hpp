@@ -27,7 +27,7 @@ std::map<std::string, std::string, std::less<>> pretrained_files(const study_opt
 
 /// What is tried, and what cannot be.
 struct study_plan {
-    std::vector<candidate> candidates;
+    candidate_list candidates;
     std::vector<study_row> missing;   ///< for want of a pretrained network
     std::vector<study_row> not_built; ///< of the paper
 };

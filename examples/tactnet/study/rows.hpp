@@ -3,7 +3,7 @@
 // The rows of an evaluation or a study: a method at a size with a recipe, what it recognised, and what it
 // costs.
 
-#include "evaluation/candidates.hpp"
+#include "evaluation/trainings.hpp"
 #include "study/benchmark_tables.hpp"
 #include "study/published.hpp"
 #include "study/timings.hpp"

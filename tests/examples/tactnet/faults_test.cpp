@@ -45,7 +45,7 @@ TEST_SUITE("program") {
             };
             CHECK(bash(training(shop, "--epochs 3 --afresh --output net")) == (silent ? 2 : 0));
             CHECK(fs::exists(shop / "net")); // as it should be, with nothing of what was printed in it
-            CHECK(shop.run("export --weights net --output net.hpp").status == 0);
+            shop.succeeds("export --weights net --output net.hpp");
             CHECK(bash(program() + " classify --weights nothing nothing") == 2);
             CHECK(bash(program() + " trian") == 2);
             CHECK(bash(program() + " evaluate --data '" + shop.data().string() +
@@ -57,7 +57,7 @@ TEST_SUITE("program") {
 
     TEST_CASE("standard_output: results that cannot be printed are no success") {
         const workshop shop;
-        REQUIRE(shop.train("--epochs 2 --output net").status == 0);
+        shop.trains("--epochs 2 --output net");
         const std::string image = " '" + (shop.data() / "left" / "image0.png").string() + "'";
         for (const char* end : {" >/dev/full", " >&-"})
             for (const std::string& command :
@@ -79,7 +79,7 @@ TEST_SUITE("program") {
 
     TEST_CASE("output_files: one file under two names is refused") {
         const workshop shop;
-        REQUIRE(shop.train("--epochs 2 --output net").status == 0);
+        shop.trains("--epochs 2 --output net");
         const std::string kept = text_of(shop / "net");
         fs::create_symlink("net", shop / "link");
         fs::create_hard_link(shop / "net", shop / "hard");
@@ -129,7 +129,7 @@ TEST_SUITE("program") {
         shop.refuses({"evaluate", "--data", shop.data().string(), "--method", "tactnet4", "--rows", "7",
                       "--columns", "13", "--results", (shop.data() / "results").string()},
                      "--results: expected a place outside the folders of classes");
-        CHECK(shop.train({"--epochs", "1", "--output", (shop.data() / "net").string()}).status == 0);
+        shop.trains({"--epochs", "1", "--output", (shop.data() / "net").string()});
     }
 
     TEST_CASE("output_files: names are tried before the work") {
@@ -137,7 +137,7 @@ TEST_SUITE("program") {
         const auto refuses = [&](const std::string& output, const std::string& sentence) {
             // By its first word of progress a training would tell that it has begun.
             const std::string error = shop.refuses(shop.train_arguments({"--output", output}), sentence);
-            CHECK(error.find("to train") == std::string::npos);
+            says_not(error, "to train");
         };
         refuses(std::string(300, 'a'),
                 "expected the name of a file that can be written, found 'File name too long'");
@@ -163,11 +163,11 @@ TEST_SUITE("program") {
 
         // Room for the weights and not for the history of so many epochs: what is safe is said.
         const program_result half =
-            in_shell(shop, "ulimit -f 100 && " + training(shop, "--epochs 900 --output half"));
+            in_shell(shop, "ulimit -f 100 && " + training(shop, "--epochs 1500 --output half"));
         CHECK(half.status == 2);
         says(half.error, "the weights are whole in half; what failed is about them");
-        says(half.error, "half.learning.jsonl: expected to write all bytes, found 'File too large'");
-        CHECK(half.error.find("no checkpoint of the finished") == std::string::npos);
+        says(half.error, "half.learning.csv: expected to write all bytes, found 'File too large'");
+        says_not(half.error, "no checkpoint of the finished");
         REQUIRE(
             shop.run({"classify", "--weights", "half", (shop.data() / "left/image0.png").string()}).status ==
             0);
@@ -194,9 +194,9 @@ TEST_SUITE("program") {
         CHECK(failed.status == 2);
         says(failed.error, "the finished training is kept");
         fs::remove_all(shop / "out");
-        CHECK(shop.run(arguments("--resume")).status == 0);
+        shop.succeeds(arguments("--resume"));
         CHECK_FALSE(fs::exists(shop / "kept"));
-        REQUIRE(shop.train("--epochs 1500 --output whole").status == 0);
+        shop.trains("--epochs 1500 --output whole");
         CHECK(text_of(shop / "out" / "net") == text_of(shop / "whole"));
     }
 
@@ -224,24 +224,24 @@ TEST_SUITE("program") {
         fs::create_directories(shop / "plots");
         for (const char* folder : {".", "results", "plots"})
             tactnet::write_file(shop / folder / name, "half");
-        REQUIRE(shop.train("--epochs 1 --output net --plots plots").status == 0);
+        shop.trains("--epochs 1 --output net --plots plots");
         CHECK_FALSE(fs::exists(shop / name.c_str()));
         CHECK_FALSE(fs::exists(shop / "plots" / name));
         CHECK(fs::exists(shop / "results" / name));
         tactnet::write_file(shop / name.c_str(), "half");
-        REQUIRE(shop.run("export --weights net --output net.hpp").status == 0);
+        shop.succeeds("export --weights net --output net.hpp");
         CHECK_FALSE(fs::exists(shop / name.c_str()));
-        REQUIRE(shop.run("evaluate --data DATA --weights net").status == 0);
+        shop.succeeds("evaluate --data DATA --weights net");
         CHECK_FALSE(fs::exists(shop / "results" / name));
 
         // A simulation goes on, also with nothing else in its folder.
         fs::create_directory(shop / "made");
         tactnet::write_file(shop / "made" / name, "half");
         const words simulation("simulate --out made --per-class 1");
-        REQUIRE(shop.run(simulation).status == 0);
+        shop.succeeds(simulation);
         CHECK_FALSE(fs::exists(shop / "made" / name));
         tactnet::write_file(shop / "made" / "rock" / name, "half");
-        REQUIRE(shop.run(simulation).status == 0);
+        shop.succeeds(simulation);
         CHECK_FALSE(fs::exists(shop / "made" / "rock" / name));
     }
 
@@ -263,11 +263,10 @@ TEST_SUITE("program") {
         }
         // Beside it there is room, and a killed one has no claim any more.
         CHECK(in_shell(shop, training(shop, "--epochs 2 --output new/beside")).status == 0);
-        kill(first, SIGKILL);
-        CHECK(shop.wait(first).status == 1000 + SIGKILL);
-        CHECK(shop.train("--epochs 2 --output new/net --afresh").status == 0);
+        CHECK(shop.stop(first, SIGKILL).status == 1000 + SIGKILL);
+        shop.trains("--epochs 2 --output new/net --afresh");
         for (const std::string& name : shop.everything())
-            CHECK_MESSAGE(name.find(".lock") == std::string::npos, name);
+            says_not(name, ".lock");
         // A refused one leaves no folder.
         shop.refuses(shop.train_arguments("--output a/b/net --data nothing"), "nothing");
     }
@@ -319,8 +318,7 @@ TEST_SUITE("program") {
         shop.succeeds(arguments);
         CHECK(locks() == held + 1);
         CHECK(fs::exists(shop / "r" / ".tactnet-my.lock"));
-        kill(holder, SIGKILL);
-        CHECK(shop.wait(holder).status == 1000 + SIGKILL);
+        CHECK(shop.stop(holder, SIGKILL).status == 1000 + SIGKILL);
         shop.succeeds(arguments);
         CHECK(locks() == 1);
     }
@@ -345,8 +343,7 @@ TEST_SUITE("program") {
         const workshop shop;
         const pid_t child = shop.start(shop.train_arguments("--epochs 1500 --output net"));
         shop.wait_for_first_epoch(child);
-        kill(child, SIGINT);
-        REQUIRE(shop.wait(child).status == 130);
+        REQUIRE(shop.stop(child, SIGINT).status == 130);
         // As an earlier version wrote it.
         tactnet::write_file(shop / "net.checkpoint", without_checksum(text_of(shop / "net.checkpoint")));
         const outcome resumed = shop.train("--epochs 1500 --output net --resume");
@@ -376,16 +373,14 @@ TEST_SUITE("program") {
         // What the killed one held is taken over by whoever does that training.
         shop.succeeds(arguments + "--afresh");
         for (const std::string& name : shop.everything())
-            CHECK_MESSAGE(name.find(".lock") == std::string::npos, name);
+            says_not(name, ".lock");
     }
 
     TEST_CASE("arguments: slips in commands, options and numbers are told in few words") {
         const workshop shop;
-        shop.refuses("trian --output net", "There is no 'trian'; did you mean 'train'?");
-        shop.refuses("clasify", "did you mean 'classify'?");
+        shop.refuses("trian --output net", "A subcommand is required, found 'trian'");
         shop.refuses(shop.train_arguments("--output net --epocs 2"),
-                     "There is no '--epocs'; did you mean '--epochs'?");
-        CHECK(shop.run("frobnicate").error.find("did you mean") == std::string::npos);
+                     "The following arguments were not expected: 2 --epocs");
         for (const char* value : {"0", "-1", "inf", "nan", "much"}) {
             shop.refuses(shop.train_arguments({"--output", "net", "--rate", value}),
                          "--rate: expected a number above 0, found '" + std::string(value) + "'");

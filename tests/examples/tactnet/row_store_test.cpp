@@ -29,7 +29,6 @@ std::vector<float> row_of(std::size_t row) {
 }
 void write_rows(const std::filesystem::path& path, std::size_t count) {
     row_store store(path, settings, rows, size, false);
-    REQUIRE(store.claim());
     static_cast<void>(store.look());
     for (std::size_t i = 0; i < count; ++i)
         store.write(i, row_of(i));
@@ -49,7 +48,6 @@ struct state {
 state state_of(const std::filesystem::path& path, const tactnet::file_metadata& of = settings,
                bool is_ours = false) {
     row_store store(path, of, rows, size, is_ours);
-    REQUIRE(store.claim());
     const row_store::found found = store.look();
     for (std::size_t i = 0; i < rows; ++i) {
         const bool missing =
@@ -127,15 +125,5 @@ TEST_SUITE("program") {
         CHECK(error == path.string() + ": expected a file of features, or none, found another file");
         CHECK(text_of(path) == "someone's");
         CHECK_THROWS_AS(row_store(folder.path(), settings, rows, size, true), tactnet::file_error);
-    }
-
-    TEST_CASE("row_store: one program at a time writes") {
-        const support::temporary_folder folder;
-        row_store one(folder / "rows", settings, rows, size, false),
-            other(folder / "rows", settings, rows, size, false);
-        CHECK(one.claim());
-        CHECK_FALSE(other.claim());
-        one.release();
-        CHECK(other.claim());
     }
 }

@@ -2,8 +2,10 @@
 
 #include <doctest/doctest.h>
 
-#include <console/progress.hpp>
+#include <algorithm>
+#include <console.hpp>
 #include <csignal>
+#include <cstdlib>
 #include <fcntl.h>
 #include <functional>
 #include <interrupt.hpp>
@@ -40,51 +42,64 @@ outcome of_process(const std::function<int()>& work) {
 } // namespace
 
 TEST_SUITE("program") {
-    TEST_CASE("wait_until: what is ready is not waited for, nor told") {
-        const outcome found = of_process([] {
-            int asked = 0;
-            const bool there = wait_until([&] { return ++asked == 1; }, "waiting");
-            return there ? asked : 100;
-        });
-        CHECK(found.status == 1);
-        CHECK(found.said.empty());
-    }
-
-    TEST_CASE("wait_until: asks until it is ready, and says once why it waits") {
-        const outcome found = of_process([] {
-            int asked = 0;
-            const bool there = wait_until([&] { return ++asked == 4; }, "waiting for {another} program");
-            return there ? asked : 100;
-        });
-        CHECK(found.status == 4);
-        CHECK(found.said == "waiting for {another} program\n");
-    }
-
-    TEST_CASE("wait_until: an interruption ends it") {
-        const outcome found = of_process([] {
-            int asked = 0;
-            catch_interrupts();
-            const bool there = wait_until(
-                [&] {
-                    if (++asked == 2)
+    TEST_CASE("wait_until: asks until it is ready or interrupted, and says once why it waits") {
+        struct {
+            int ready_at, interrupted_at; ///< by the number of the question
+            bool ready;
+            int asked;
+            const char* said;
+        } const cases[]{
+            {1, 9, true, 1, ""}, // what is ready is not waited for
+            {4, 9, true, 4, "waiting for {another} program\n"},
+            {6, 2, false, 2, "waiting for {another} program\n"},
+            {1, 0, true, 1, ""}, // what is ready is taken, also after an interruption
+        };
+        for (const auto& c : cases) {
+            CAPTURE(c.ready_at);
+            CAPTURE(c.interrupted_at);
+            const outcome found = of_process([&] {
+                int asked = 0;
+                catch_interrupts();
+                const auto interrupt = [&] {
+                    if (asked == c.interrupted_at)
                         static_cast<void>(std::raise(SIGTERM));
-                    return asked > 5;
-                },
-                "waiting");
-            return there ? 100 : asked;
-        });
-        CHECK(found.status == 2);
-        CHECK(found.said == "waiting\n");
+                };
+                interrupt();
+                const bool ready = wait_until(
+                    [&] {
+                        ++asked;
+                        interrupt();
+                        return asked >= c.ready_at;
+                    },
+                    "waiting for {another} program");
+                return ready ? asked : 100 + asked;
+            });
+            CHECK(found.status == (c.ready ? c.asked : 100 + c.asked));
+            CHECK(found.said == c.said);
+        }
     }
+}
 
-    TEST_CASE("wait_until: what is ready is taken, also after an interruption") {
-        const outcome found = of_process([] {
-            catch_interrupts();
-            static_cast<void>(std::raise(SIGTERM));
-            return wait_until([] { return true; }, "waiting") ? 1 : 0;
-        });
-        CHECK(found.status == 1);
+TEST_CASE("progress: a line of a terminal ends, so that what follows begins a new one") {
+    const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+    REQUIRE(terminal >= 0);
+    REQUIRE(grantpt(terminal) == 0);
+    REQUIRE(unlockpt(terminal) == 0);
+    const int standard_error = ::dup(STDERR_FILENO), user_side = ::open(ptsname(terminal), O_RDWR | O_NOCTTY);
+    REQUIRE(user_side >= 0);
+    ::dup2(user_side, STDERR_FILENO);
+    {
+        progress line;
+        line.show("1 of 2");
+        line.show("2 of 2", true);
+        line.end_line(); // of no line
     }
+    ::dup2(standard_error, STDERR_FILENO);
+    char bytes[100];
+    const ssize_t got = ::read(terminal, bytes, sizeof(bytes));
+    CHECK(std::string(bytes, static_cast<std::size_t>(std::max<ssize_t>(got, 0))) == "\r1 of 2\r2 of 2\r\n");
+    for (const int file : {standard_error, user_side, terminal})
+        ::close(file);
 }
 
 TEST_CASE("median_microseconds: work that takes no time has a time all the same") {

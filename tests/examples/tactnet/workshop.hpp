@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdint>
 #include <decode_image.hpp>
 #include <fcntl.h>
@@ -20,6 +21,7 @@
 #include <spawn.h>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <support/files/temporary_folder.hpp>
 #include <support/run_program.hpp>
 #include <sys/wait.h>
@@ -35,9 +37,14 @@ namespace fs = std::filesystem;
 
 inline constexpr std::size_t rows = 7, columns = 13, images_per_class = 12;
 
-inline void says(const std::string& text, const std::string& part) {
+inline void says(const std::string& text, std::string_view part) {
     CAPTURE(part);
     CHECK_MESSAGE(text.find(part) != std::string::npos, text);
+}
+
+inline void says_not(const std::string& text, std::string_view part) {
+    CAPTURE(part);
+    CHECK_MESSAGE(text.find(part) == std::string::npos, text);
 }
 
 struct outcome {
@@ -130,6 +137,10 @@ public:
         return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), text_of(folder_ / "out"),
                 error};
     }
+    outcome stop(pid_t child, int signal) const {
+        kill(child, signal);
+        return wait(child);
+    }
     outcome run(const words& arguments) const { return wait(start(arguments)); }
 
     /// Exit status 0.
@@ -141,6 +152,7 @@ public:
 
     /// A training of a second or less, with more arguments.
     outcome train(const words& more) const { return run(train_arguments(more)); }
+    outcome trains(const words& more) const { return succeeds(train_arguments(more)); }
     words train_arguments(const words& more) const {
         words all("train");
         for (const words& usual : {words("--data DATA"), words("--method tactnet4"), words("--rows 7"),

@@ -1,8 +1,8 @@
 #include "methods/trunks/features.hpp"
 
-#include "console/progress.hpp"
-#include "console/standard_streams.hpp"
+#include "console.hpp"
 #include "data/input_file.hpp"
+#include "files/claims.hpp"
 #include "files/output_files.hpp"
 #include "methods/description.hpp"
 #include "methods/frames.hpp"
@@ -192,17 +192,17 @@ bool trunk_features::prepare(const image_data& data, const feature_place& place,
                             finder_.image.columns, print.text());
     }
     make_folder_of(path);
-    kept_.emplace(path, settings, data.images.size(), finder_.size(), place.is_folder);
-    if (!wait_until([&] { return kept_->claim(); },
+    claims alone;
+    if (!wait_until([&] { return alone.take(path); },
                     "waiting for the features that another program finds, " + printable(path.string())))
         return false;
+    kept_.emplace(path, settings, data.images.size(), finder_.size(), place.is_folder);
     if (kept_->look() == row_store::found::others)
         tell("{}: features of something else, or damaged; all are found anew\n", printable(path.string()));
     else if (kept_->damaged() > 0)
         tell("{}: features of {} of {} images are damaged, and found anew\n", printable(path.string()),
              kept_->damaged(), data.images.size());
     const bool done = find_missing(data, threads);
-    kept_->release();
     kept_images_ = data.images.pixels;
     const std::lock_guard lock(mutex_);
     network_ = nullptr; // which may be large; whoever asks for other images loads it again

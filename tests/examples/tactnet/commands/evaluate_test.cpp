@@ -28,7 +28,7 @@ TEST_SUITE("program") {
         };
         const outcome first = evaluate("--splits 1 --jobs 2");
         REQUIRE_MESSAGE(first.status == 0, first.error);
-        CHECK(first.error.find("4 trainings to do, 0 done before") != std::string::npos);
+        says(first.error, "4 trainings to do, 0 done before");
         const auto kept = text_of(shop / "r/evaluation.jsonl");
         CHECK(lines_of(kept).size() == 4);
         for (const std::string& line : lines_of(kept)) {
@@ -47,7 +47,7 @@ TEST_SUITE("program") {
         CHECK(lines_of(text_of(shop / "r/table.jsonl")).size() == 2);
         CHECK(fs::exists(shop / "r/confusion_tactnet4_7x13.csv"));
         CHECK(lines_of(text_of(shop / "r/reliability_tactnet4_7x13.csv")).size() == 16);
-        CHECK(first.out.find("calibration error before, %") != std::string::npos);
+        says(first.out, "calibration error before, %");
         CHECK(lines_of(text_of(shop / "r/accuracy_and_time.csv"))[0] == "series,x,accuracy,deviation,words");
         CHECK(lines_of(text_of(shop / "r/learning_curves.csv")).size() > 1);
         CHECK(lines_of(text_of(shop / "r/table.csv"))[0].starts_with("method,rows,columns,recipe,bits,"));
@@ -60,20 +60,20 @@ TEST_SUITE("program") {
             CHECK_MESSAGE(row.at(known).is_number(), known);
         // TactNet-4 for three classes: 6128 parameters of convolutions and batch norms, 64 x 3 + 3 of the
         // last layer.
-        CHECK(first.out.find(" 6 323 ") != std::string::npos);
+        says(first.out, " 6 323 ");
 
         const outcome second = evaluate("--splits 2 --jobs 1");
         REQUIRE_MESSAGE(second.status == 0, second.error);
-        CHECK(second.error.find("4 trainings to do, 4 done before") != std::string::npos);
+        says(second.error, "4 trainings to do, 4 done before");
         CHECK(text_of(shop / "r/evaluation.jsonl").starts_with(kept));
 
         // One kind of split alone: the same trainings, and nothing is said of the other kind.
         const outcome random = evaluate("--splits 2 --split random --jobs 1");
         CHECK(random.status == 0);
-        CHECK(random.error.find("0 trainings to do, 4 done before") != std::string::npos);
-        CHECK(random.out.find("random splits, %") != std::string::npos);
+        says(random.error, "0 trainings to do, 4 done before");
+        says(random.out, "random splits, %");
         for (const std::string& text : {random.out, text_of(shop / "r/accuracy_and_time.csv")})
-            CHECK_MESSAGE(text.find("blocked") == std::string::npos, text);
+            says_not(text, "blocked");
         CHECK(nlohmann::json::parse(lines_of(text_of(shop / "r/table.jsonl"))[0])
                   .at("blocked_accuracy")
                   .is_null());
@@ -83,7 +83,7 @@ TEST_SUITE("program") {
         tactnet::write_file(shop / "r/evaluation.jsonl",
                             std::string_view(whole).substr(0, whole.size() - 20));
         const outcome third = evaluate("--splits 2 --jobs 1");
-        CHECK(third.error.find("1 trainings to do, 7 done before") != std::string::npos);
+        says(third.error, "1 trainings to do, 7 done before");
         CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 8);
 
         // Another version of the library may train otherwise: its results are not taken for this one's.
@@ -95,7 +95,7 @@ TEST_SUITE("program") {
         tactnet::write_file(shop / "r/evaluation.jsonl", older);
         const outcome changed = evaluate("--splits 1");
         CHECK(changed.status == 2);
-        CHECK(changed.error.find("evaluation.jsonl: checksum of the line 1: expected") != std::string::npos);
+        says(changed.error, "evaluation.jsonl: checksum of the line 1: expected");
         // As that version would have written it.
         const auto summed_anew = [](const std::string& text) {
             std::string all;
@@ -115,8 +115,7 @@ TEST_SUITE("program") {
         tactnet::write_file(shop / "r/evaluation.jsonl", "{}\n");
         const outcome damaged = evaluate("--splits 1");
         CHECK(damaged.status == 2);
-        CHECK(damaged.error.find("evaluation.jsonl: line 1: expected a result of tactnet evaluate, found") !=
-              std::string::npos);
+        says(damaged.error, "evaluation.jsonl: line 1: expected a result of tactnet evaluate, found");
 
         // Counts that are none.
         for (const auto& counts :
@@ -137,9 +136,8 @@ TEST_SUITE("program") {
             tactnet::write_file(shop / "r/evaluation.jsonl", summed_anew(list));
             const outcome refused = evaluate("--splits 1");
             CHECK(refused.status == 2);
-            CHECK_MESSAGE(refused.error.find("line 1: expected a result of tactnet evaluate, found 'expected "
-                                             "a whole number from 0, found ") != std::string::npos,
-                          refused.error);
+            says(refused.error, "line 1: expected a result of tactnet evaluate, found 'expected "
+                                "a whole number from 0, found ");
         }
     }
 
@@ -150,8 +148,7 @@ TEST_SUITE("program") {
                    "--method svm-linear,svm-rbf,surf-svm" +
                    more;
         };
-        const outcome first = shop.run(evaluate("--jobs 2"));
-        REQUIRE_MESSAGE(first.status == 0, first.error);
+        const outcome first = shop.succeeds(evaluate("--jobs 2"));
         const auto table = lines_of(text_of(shop / "r/table.csv"));
         REQUIRE(table.size() == 4);
         const char* names[] = {"svm-linear", "svm-rbf", "surf-svm"};
@@ -166,13 +163,12 @@ TEST_SUITE("program") {
         }
         const auto kept = text_of(shop / "r/evaluation.jsonl");
         const outcome again = shop.run(evaluate("--jobs 1"));
-        CHECK(again.error.find("0 trainings to do, 6 done before") != std::string::npos);
+        says(again.error, "0 trainings to do, 6 done before");
         CHECK(text_of(shop / "r/evaluation.jsonl") == kept);
 
         // What is for networks goes to those of the list; without any it is a mistake.
-        CHECK(shop.run("evaluate --data DATA --rows 7 --columns 13 --split random --splits 1 --epochs 2 "
-                       "--method tactnet4,svm-linear --results both")
-                  .status == 0);
+        shop.succeeds("evaluate --data DATA --rows 7 --columns 13 --split random --splits 1 --epochs 2 "
+                      "--method tactnet4,svm-linear --results both");
         shop.refuses(evaluate("--epochs 3"), "expected a network, found svm-linear");
         shop.refuses(evaluate("--recipe published"),
                      "expected default, since nothing was published for svm-linear");
@@ -214,8 +210,7 @@ TEST_SUITE("program") {
             return;
         }
         CHECK_MESSAGE(limited.status == 0, limited.error);
-        CHECK(limited.error.find("the system refuses more threads: 1 trainings at a time in place of 3") !=
-              std::string::npos);
+        says(limited.error, "the system refuses more threads: 1 trainings at a time in place of 3");
         CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 4);
     }
 #endif
@@ -227,7 +222,7 @@ TEST_SUITE("program") {
                    "random" +
                    words{"--results", results, "--seed", seed, "--splits", splits};
         };
-        REQUIRE(shop.run(arguments("0", "1", "other")).status == 0);
+        shop.succeeds(arguments("0", "1", "other"));
         const std::string line = text_of(shop / "other/evaluation.jsonl");
 
         // The test writes as another program does, and is slow about it.
@@ -254,7 +249,6 @@ TEST_SUITE("program") {
         CHECK(shop.wait(one).status == 0);
         CHECK(shop.wait(two).status == 0);
         CHECK(lines_of(text_of(list)).size() == 43);
-        CHECK(shop.run(arguments("10", "40", "r")).error.find("0 trainings to do, 40 done before") !=
-              std::string::npos);
+        says(shop.run(arguments("10", "40", "r")).error, "0 trainings to do, 40 done before");
     }
 }

@@ -13,15 +13,15 @@ using namespace support;
 TEST_SUITE("program") {
     TEST_CASE("export: a header, the same every time") {
         const workshop shop;
-        REQUIRE(shop.train("--epochs 2 --output net").status == 0);
+        shop.trains("--epochs 2 --output net");
         const outcome written = shop.succeeds("export --weights net --output out/net.hpp");
         CHECK(written.out.empty());
         const std::string text = text_of(shop / "out/net.hpp");
         CHECK(text.starts_with("// tactnet4 for frames of 7 × 13 × 1 "));
         says(text, "\nnamespace tactile {\ninline namespace TACTNET_ARCH {\n");
-        CHECK(text.find("\"middle, of all\"") != std::string::npos);
+        says(text, "\"middle, of all\"");
         says(text, "inline constexpr recogniser_type::packed_weights packed");
-        REQUIRE(shop.run("export --weights net --output again.hpp").status == 0);
+        shop.succeeds("export --weights net --output again.hpp");
         CHECK(text_of(shop / "again.hpp") == text);
         REQUIRE(
             shop.run("export --weights net --output other.hpp --namespace gripper::left --packing at-start")

@@ -4,10 +4,8 @@
 
 #include <doctest/doctest.h>
 
-#include <chrono>
 #include <csignal>
 #include <string>
-#include <thread>
 #include <vector>
 
 using namespace support;
@@ -18,8 +16,7 @@ TEST_SUITE("program") {
         constexpr const char* epochs = "1500";
         const pid_t child = shop.start(shop.train_arguments({"--epochs", epochs, "--output", "net"}));
         shop.wait_for_first_epoch(child);
-        kill(child, SIGINT);
-        const outcome stopped = shop.wait(child);
+        const outcome stopped = shop.stop(child, SIGINT);
         REQUIRE_MESSAGE(stopped.status == 130, stopped.error);
         says(stopped.error, "--resume goes on from net.checkpoint");
         CHECK(fs::exists(shop / "net.checkpoint"));
@@ -36,10 +33,10 @@ TEST_SUITE("program") {
                          "--resume goes on from it, --afresh gives it up, --checkpoint takes another name");
         shop.refuses(shop.train_arguments("--output net --resume --afresh"), "--afresh");
         CHECK(text_of(shop / "net.checkpoint") == kept);
-        REQUIRE(shop.train("--epochs 2 --output net --checkpoint other").status == 0);
+        shop.trains("--epochs 2 --output net --checkpoint other");
         fs::remove(shop / "net");
         CHECK(text_of(shop / "net.checkpoint") == kept);
-        REQUIRE(shop.train("--epochs 2 --output net --afresh").status == 0);
+        shop.trains("--epochs 2 --output net --afresh");
         CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
         fs::remove(shop / "net");
 
@@ -50,31 +47,30 @@ TEST_SUITE("program") {
         shop.refuses(shop.train_arguments({"--epochs", epochs, "--output", "net", "--resume", "--checkpoint",
                                            "long.checkpoint"}),
                      "long.checkpoint: tensor 'progress': expected the numbers of this training, found");
-        REQUIRE(shop.train({"--epochs", epochs, "--output", "net", "--resume"}).status == 0);
+        shop.trains({"--epochs", epochs, "--output", "net", "--resume"});
         CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
-        REQUIRE(shop.train({"--epochs", epochs, "--output", "whole"}).status == 0);
+        shop.trains({"--epochs", epochs, "--output", "whole"});
         CHECK(text_of(shop / "net") == text_of(shop / "whole"));
     }
 
     TEST_CASE("resume: what started from a weight file goes on from that one only") {
         const workshop shop;
-        REQUIRE(shop.train("--epochs 1 --output first").status == 0);
-        REQUIRE(shop.train("--epochs 1 --seed 6 --output other").status == 0);
+        shop.trains("--epochs 1 --output first");
+        shop.trains("--epochs 1 --seed 6 --output other");
         const auto arguments = [&](const char* output, const char* start) {
             return shop.train_arguments({"--epochs", "1500", "--output", output, "--start", start});
         };
         const pid_t child = shop.start(arguments("net", "first"));
         shop.wait_for_first_epoch(child);
-        kill(child, SIGINT);
-        REQUIRE(shop.wait(child).status == 130);
+        REQUIRE(shop.stop(child, SIGINT).status == 130);
         const auto resumed = [](std::vector<std::string> all) {
             all.emplace_back("--resume");
             return all;
         };
         shop.refuses(resumed(arguments("net", "other")), "setting 'start' of the stopped training");
         shop.refuses(resumed(shop.train_arguments("--epochs 1500 --output net")), "of the stopped training");
-        REQUIRE(shop.run(resumed(arguments("net", "first"))).status == 0);
-        REQUIRE(shop.run(arguments("whole", "first")).status == 0);
+        shop.succeeds(resumed(arguments("net", "first")));
+        shop.succeeds(arguments("whole", "first"));
         CHECK(text_of(shop / "net") == text_of(shop / "whole"));
     }
 }

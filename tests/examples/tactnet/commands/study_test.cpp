@@ -61,14 +61,13 @@ std::string with_member(std::string json, const std::string& name, const std::st
 TEST_SUITE("program") {
     TEST_CASE("study: methods trained and timed once, on one page") {
         const workshop shop;
-        const outcome first = shop.run(study("s"));
-        REQUIRE_MESSAGE(first.status == 0, first.error);
-        CHECK(first.error.find("8 trainings to do, of 8 in all") != std::string::npos);
+        const outcome first = shop.succeeds(study("s"));
+        says(first.error, "8 trainings to do, of 8 in all");
         CHECK(lines_of(text_of(shop / "s/evaluation.jsonl")).size() == 8);
         CHECK(lines_of(text_of(shop / "s/timings.jsonl")).size() == 2);
         CHECK(lines_of(text_of(shop / "s/study.csv")).size() == 3);
         CHECK(lines_of(text_of(shop / "s/study.jsonl")).size() == 2);
-        CHECK(first.out.find("svm-linear") != std::string::npos);
+        says(first.out, "svm-linear");
 
         // The page stands alone, and says all of it.
         const std::string page = text_of(shop / "s/study.html");
@@ -78,11 +77,11 @@ TEST_SUITE("program") {
              {"tactnet4", "svm-linear", "tactnet::tactnet4&lt;tactnet::shape{7, 13}, 22&gt;",
               "middle, of all", "<th>validation, %</th>", "Random against blocked splits",
               "knows each class</h2>", "class=\"confusion\""})
-            CHECK_MESSAGE(page.find(part) != std::string::npos, part);
+            says(page, part);
         for (const std::string_view foreign : {"src=", "href=\"http", "url(", "@import"})
-            CHECK_MESSAGE(page.find(foreign) == std::string::npos, foreign);
+            says_not(page, foreign);
         if (fs::exists(shop / "s/accuracy_and_time.png")) { // where there is gnuplot
-            CHECK(page.find("<svg") != std::string::npos);
+            says(page, "<svg");
             CHECK(fs::exists(shop / "s/learning_curves.png"));
         }
         for (const std::string& line : lines_of(text_of(shop / "s/evaluation.jsonl")))
@@ -93,12 +92,11 @@ TEST_SUITE("program") {
         const std::string tables = text_of(shop / "s/study.md");
         for (const std::string_view part : {"<!-- study front -->\n| method |", "<!-- study front ends -->\n",
                                             "| tactnet4 | 7 × 13 | default |", "| svm-linear | 7 × 13 |"})
-            CHECK_MESSAGE(tables.find(part) != std::string::npos, part);
+            says(tables, part);
 
         const auto before = text_of(shop / "s/study.csv");
-        const outcome second = shop.run(study("s"));
-        REQUIRE_MESSAGE(second.status == 0, second.error);
-        CHECK(second.error.find("0 trainings to do, of 8 in all") != std::string::npos);
+        const outcome second = shop.succeeds(study("s"));
+        says(second.error, "0 trainings to do, of 8 in all");
         CHECK(text_of(shop / "s/study.csv") == before);
     }
 
@@ -106,9 +104,8 @@ TEST_SUITE("program") {
         const workshop shop;
         const words both(
             "study --data DATA --methods tactnet4 --sizes 7x13 --recipes default --splits 2 --results s");
-        const outcome first = shop.run(both);
-        REQUIRE_MESSAGE(first.status == 0, first.error);
-        CHECK(first.error.find("4 trainings to do, of 4 in all") != std::string::npos);
+        const outcome first = shop.succeeds(both);
+        says(first.error, "4 trainings to do, of 4 in all");
         CHECK(lines_of(text_of(shop / "s/evaluation.jsonl")).size() == 8); // each in both
         CHECK(lines_of(text_of(shop / "s/timings.jsonl")).size() == 2);
         const std::vector<std::string> rows = lines_of(text_of(shop / "s/study.jsonl"));
@@ -117,49 +114,43 @@ TEST_SUITE("program") {
         CHECK(rows[1].find("\"bits\":8") != std::string::npos);
         CHECK(rows[1].find("\"random_splits\":2,") != std::string::npos);
         const std::string tables = text_of(shop / "s/study.md");
-        CHECK(tables.find("| tactnet4 in 8 bits | 7 × 13 | default |") != std::string::npos);
-        CHECK(text_of(shop / "s/study.html").find(">tactnet4 in 8 bits</td>") != std::string::npos);
+        says(tables, "| tactnet4 in 8 bits | 7 × 13 | default |");
+        says(text_of(shop / "s/study.html"), ">tactnet4 in 8 bits</td>");
 
         // It weighs less than a third, so a budget of bytes finds it.
-        const outcome small = shop.run("recommend --results s --bytes 12000");
-        REQUIRE_MESSAGE(small.status == 0, small.error);
+        const outcome small = shop.succeeds("recommend --results s --bytes 12000");
         CHECK(small.out.starts_with("tactnet4 7x13 in 8 bits, default recipe: "));
 
         // Single precision alone needs no more trainings.
-        const outcome second = shop.run(both + "--bits 32");
-        REQUIRE_MESSAGE(second.status == 0, second.error);
-        CHECK(second.error.find("0 trainings to do, of 4 in all") != std::string::npos);
+        const outcome second = shop.succeeds(both + "--bits 32");
+        says(second.error, "0 trainings to do, of 4 in all");
         CHECK(lines_of(text_of(shop / "s/study.jsonl")).size() == 1);
     }
 
     TEST_CASE("study: parts of several machines give the table of one, to the last digit") {
         const workshop shop;
-        REQUIRE(shop.run(study("whole")).status == 0);
+        shop.succeeds(study("whole"));
         for (const char* part : {"1", "2"}) {
-            const outcome run = shop.run(study("part" + std::string(part) + " --shard " + part + "/2"));
-            REQUIRE_MESSAGE(run.status == 0, run.error);
-            CHECK(run.error.find("4 trainings to do, of 8 in all") != std::string::npos);
+            const outcome run = shop.succeeds(study("part" + std::string(part) + " --shard " + part + "/2"));
+            says(run.error, "4 trainings to do, of 8 in all");
         }
-        const outcome merged = shop.run(study("merged --merge part1,part2 --report-only"));
-        REQUIRE_MESSAGE(merged.status == 0, merged.error);
+        const outcome merged = shop.succeeds(study("merged --merge part1,part2 --report-only"));
         CHECK(accuracies_in(text_of(shop / "merged/study.csv")) ==
               accuracies_in(text_of(shop / "whole/study.csv")));
         CHECK(lines_of(text_of(shop / "merged/evaluation.jsonl")).size() == 8);
-        CHECK(merged.error.find("\nwarning: 8 of 8 trainings are there, 0 of 2 methods are timed\n") !=
-              std::string::npos);
+        says(merged.error, "\nwarning: 8 of 8 trainings are there, 0 of 2 methods are timed\n");
         // Again: nothing is doubled.
-        REQUIRE(shop.run(study("merged --merge part1,part2 --report-only")).status == 0);
+        shop.succeeds(study("merged --merge part1,part2 --report-only"));
         CHECK(lines_of(text_of(shop / "merged/evaluation.jsonl")).size() == 8);
     }
 
     TEST_CASE("study: killed, it goes on with what is left, and so do two programs on one folder") {
         const workshop shop;
-        REQUIRE(shop.run(study("whole")).status == 0);
+        shop.succeeds(study("whole"));
         const pid_t child = shop.start(study("killed --jobs 1"));
         for (int i = 0; i < 60'000 && !fs::exists(shop / "killed/evaluation.jsonl"); ++i)
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
-        kill(child, SIGKILL);
-        shop.wait(child);
+        shop.stop(child, SIGKILL);
         const pid_t one = shop.start(study("killed --jobs 1")), other = shop.start(study("killed --jobs 1"));
         CHECK(shop.wait(one).status == 0);
         CHECK(shop.wait(other).status == 0);
@@ -171,38 +162,33 @@ TEST_SUITE("program") {
 
     TEST_CASE("study: blocked splits alone, and fewer splits than were asked for, are shown as that") {
         const workshop shop;
-        const outcome blocked = shop.run(study("s --split blocked"));
-        REQUIRE_MESSAGE(blocked.status == 0, blocked.error);
-        CHECK(text_of(shop / "s/study.html").find("Test accuracy over blocked splits") != std::string::npos);
-        CHECK(text_of(shop / "s/study.html").find("class=\"confusion\"") != std::string::npos);
+        const outcome blocked = shop.succeeds(study("s --split blocked"));
+        says(text_of(shop / "s/study.html"), "Test accuracy over blocked splits");
+        says(text_of(shop / "s/study.html"), "class=\"confusion\"");
         words more = study("s --split blocked --report-only");
         *(std::find(more.begin(), more.end(), "--splits") + 1) = "5";
-        const outcome fewer = shop.run(more);
-        REQUIRE_MESSAGE(fewer.status == 0, fewer.error);
-        CHECK(fewer.out.find(" (2 of 5)") != std::string::npos);
+        const outcome fewer = shop.succeeds(more);
+        says(fewer.out, " (2 of 5)");
         CHECK(fewer.error.starts_with("warning: 4 of 10 trainings are there, 2 of 2 methods are timed\n"));
-        CHECK(text_of(shop / "s/study.html").find(" (2 of 5)</td>") != std::string::npos);
+        says(text_of(shop / "s/study.html"), " (2 of 5)</td>");
 
         // Of another kind of split nothing is there: rows without accuracies, or none.
-        CHECK(shop.run(study("s --split random --report-only")).out.find("not trained yet") !=
-              std::string::npos);
-        const outcome none = shop.run(study("s --split random --report-only --only-trained"));
-        REQUIRE_MESSAGE(none.status == 0, none.error);
+        says(shop.run(study("s --split random --report-only")).out, "not trained yet");
+        const outcome none = shop.succeeds(study("s --split random --report-only --only-trained"));
         CHECK(text_of(shop / "s/study.csv").empty());
-        shop.refuses(study("s --report-only --shard 1/2"), "expected one of them, found both");
+        shop.refuses(study("s --report-only --shard 1/2"), "--shard excludes --report-only");
     }
 
     TEST_CASE("study: times of programs compiled for other instruction sets stand beside its own") {
         const workshop shop;
-        const outcome timed = shop.run(study("s --times-only"));
-        REQUIRE_MESSAGE(timed.status == 0, timed.error);
+        const outcome timed = shop.succeeds(study("s --times-only"));
         CHECK(!fs::exists(shop / "s/evaluation.jsonl"));
         CHECK(!fs::exists(shop / "s/study.html"));
         std::string lines = text_of(shop / "s/timings.jsonl");
         REQUIRE(lines_of(lines).size() == 2);
-        REQUIRE(shop.run(study("s")).status == 0);
+        shop.succeeds(study("s"));
         CHECK(text_of(shop / "s/timings.jsonl") == lines); // not timed again
-        CHECK(text_of(shop / "s/study.html").find("Other instruction sets") == std::string::npos);
+        says_not(text_of(shop / "s/study.html"), "Other instruction sets");
 
         // As another build would have written them, and one of another compiler, which is left out.
         for (const std::string& line : lines_of(text_of(shop / "s/timings.jsonl"))) {
@@ -214,18 +200,18 @@ TEST_SUITE("program") {
                      '\n';
         }
         tactnet::write_file(shop / "s/timings.jsonl", lines);
-        REQUIRE(shop.run(study("s --report-only")).status == 0);
+        shop.succeeds(study("s --report-only"));
         const std::string page = text_of(shop / "s/study.html");
-        CHECK(page.find("Other instruction sets") != std::string::npos);
-        CHECK(page.find("<th>no vectors (elsewhere)</th>") != std::string::npos);
-        CHECK(page.find("sse41</th>") == std::string::npos);
+        says(page, "Other instruction sets");
+        says(page, "<th>no vectors (elsewhere)</th>");
+        says_not(page, "sse41</th>");
         shop.refuses(study("s --times-only --report-only"), "--report-only excludes --times-only");
     }
 
     TEST_CASE("study: trainings and times by other programs are reported as that, where there are none of "
               "its own") {
         const workshop shop;
-        REQUIRE(shop.run(study("s")).status == 0);
+        shop.succeeds(study("s"));
         const std::string table = text_of(shop / "s/study.csv");
         for (const char* file : {"s/evaluation.jsonl", "s/timings.jsonl"}) {
             std::string lines;
@@ -235,33 +221,29 @@ TEST_SUITE("program") {
                          '\n';
             tactnet::write_file(shop / file, lines);
         }
-        const outcome report = shop.run(study("s --report-only"));
-        REQUIRE_MESSAGE(report.status == 0, report.error);
+        const outcome report = shop.succeeds(study("s --report-only"));
         CHECK(text_of(shop / "s/study.csv") == table);
         const std::string whose = "8 of 8 trainings are by tactnet 0.0.9 for scalar_sse2";
-        CHECK_MESSAGE(report.error.find("warning: " + whose + ", not by this program\n") != std::string::npos,
-                      report.error);
-        CHECK(report.error.find("warning: times are by another program: ") != std::string::npos);
-        CHECK(text_of(shop / "s/study.md").find(whose) != std::string::npos);
+        says(report.error, "warning: " + whose + ", not by this program\n");
+        says(report.error, "warning: times are by another program: ");
+        says(text_of(shop / "s/study.md"), whose);
         CHECK(text_of(shop / "s/study.html").find("scalar_sse2; tactnet 0.0.9") != std::string::npos);
         // A study that trains takes none of them.
-        CHECK(shop.run(study("s --shard 1/2")).error.find("4 trainings to do, of 8 in all") !=
-              std::string::npos);
+        says(shop.run(study("s --shard 1/2")).error, "4 trainings to do, of 8 in all");
     }
 
     TEST_CASE("study: what cannot be had has its row, with the reason") {
         const workshop shop;
         const words both(
             "study --data DATA --methods svm-linear,squeezenet-svm --sizes 7x13 --splits 1 --results s");
-        const outcome run = shop.run(both);
-        REQUIRE_MESSAGE(run.status == 0, run.error);
+        const outcome run = shop.succeeds(both);
         const std::string reason =
             "needs SqueezeNet 1.1 trained on photographs, --pretrained squeezenet=FILE";
-        CHECK(run.out.find("squeezenet-svm 7x13: " + reason) != std::string::npos);
-        CHECK(text_of(shop / "s/study.html").find(reason) != std::string::npos);
-        CHECK(text_of(shop / "s/study.csv").find(reason) != std::string::npos);
-        REQUIRE(shop.run(both + "--report-only --only-trained").status == 0);
-        CHECK(text_of(shop / "s/study.csv").find("squeezenet") == std::string::npos);
+        says(run.out, "squeezenet-svm 7x13: " + reason);
+        says(text_of(shop / "s/study.html"), reason);
+        says(text_of(shop / "s/study.csv"), reason);
+        shop.succeeds(both + "--report-only --only-trained");
+        says_not(text_of(shop / "s/study.csv"), "squeezenet");
     }
 
     TEST_CASE("study: what it cannot take is said") {
@@ -281,14 +263,13 @@ TEST_SUITE("program") {
 
     TEST_CASE("recommend: the best network of a study within a budget, or why there is none") {
         const workshop shop;
-        REQUIRE(shop.run(study("s")).status == 0);
+        shop.succeeds(study("s"));
         const auto recommend = [](const words& more) { return "recommend --results s" + more; };
-        const outcome any = shop.run(recommend("--microseconds 1000000"));
-        REQUIRE_MESSAGE(any.status == 0, any.error);
+        const outcome any = shop.succeeds(recommend("--microseconds 1000000"));
         CHECK(any.out.starts_with("tactnet4 7x13, default recipe: "));
-        CHECK(any.out.find(" over 2 random splits, ") != std::string::npos);
+        says(any.out, " over 2 random splits, ");
         CHECK(any.out.ends_with("tactnet::tactnet4<tactnet::shape{7, 13}, 22>\n"));
-        CHECK(shop.run(recommend("--rows 7 --columns 13 --split blocked")).status == 0);
+        shop.succeeds(recommend("--rows 7 --columns 13 --split blocked"));
         shop.refuses(recommend("--bytes 100"),
                      "expected a budget that a network of s/study.jsonl keeps, found "
                      "none; the fastest, tactnet4 7x13, takes ");

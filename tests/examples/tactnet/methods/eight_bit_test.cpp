@@ -39,7 +39,7 @@ TEST_SUITE("program") {
 
         const outcome tested = shop.succeeds("evaluate --weights out/net.safetensors --data DATA");
         says(tested.out, "tactnet4  7x13");
-        CHECK(shop.run("evaluate --weights out/net.safetensors --data DATA --images all").status == 0);
+        shop.succeeds("evaluate --weights out/net.safetensors --data DATA --images all");
         const std::string image = (shop.data() / "middle, of all" / "image3.png").string();
         const outcome named = shop.succeeds({"classify", "--weights", "out/net.safetensors", image});
         CHECK(named.out.starts_with("\"" + image + "\",1,\"middle, of all\",0."));
@@ -47,7 +47,7 @@ TEST_SUITE("program") {
         says(text_of(shop / "net.hpp"), "tactnet::eight_bit_between<std::int16_t, std::uint8_t>");
 
         // The same seed, the same bits; a file that is left half does not pass.
-        REQUIRE(shop.train("--epochs 15 --output again.safetensors --bits 8").status == 0);
+        shop.trains("--epochs 15 --output again.safetensors --bits 8");
         CHECK((text_of(shop / "again.safetensors") == text_of(shop / "out/net.safetensors")));
         const std::string text = text_of(shop / "again.safetensors");
         tactnet::write_file(shop / "cut", std::string_view(text).substr(0, text.size() - 100));
@@ -79,7 +79,7 @@ TEST_SUITE("program") {
         shop.refuses(evaluate_arguments("--method tactnet4,svm-linear --bits 8"),
                      "found the support vector machine svm-linear, which has no form in 8 bits");
         // A file in 8 bits of a network that was compiled in single precision alone.
-        REQUIRE(shop.train("--epochs 1 --bits 8 --output net").status == 0);
+        shop.trains("--epochs 1 --bits 8 --output net");
         rewrite_metadata(shop / "net", shop / "other", "network", "tactnet6-economical");
         shop.refuses(
             {"export", "--weights", "other", "--output", "x.hpp"},
@@ -93,8 +93,8 @@ TEST_SUITE("program") {
     TEST_CASE("export: with --bits 8 a file in single precision becomes one in 8 bits, or such a header") {
         const workshop shop;
         const std::string data = shop.data().string();
-        REQUIRE(shop.train("--epochs 8 --output float.safetensors").status == 0);
-        REQUIRE(shop.train("--epochs 8 --output bytes.safetensors --bits 8").status == 0);
+        shop.trains("--epochs 8 --output float.safetensors");
+        shop.trains("--epochs 8 --output bytes.safetensors --bits 8");
         const outcome turned = shop.succeeds({"export", "--weights", "float.safetensors", "--bits", "8",
                                               "--data", data, "--output", "out/turned.safetensors"});
         // As training writes it, with the same images: those of the training, no others.
@@ -106,16 +106,14 @@ TEST_SUITE("program") {
                           tensor.first);
         CHECK(ours.metadata().at("seed") == "5");
         CHECK(!ours.metadata().contains("test_accuracy"));
-        CHECK(shop.run({"evaluate", "--weights", "out/turned.safetensors", "--data", data}).status == 0);
+        shop.succeeds({"evaluate", "--weights", "out/turned.safetensors", "--data", data});
 
-        REQUIRE(shop.run({"export", "--weights", "float.safetensors", "--bits", "8", "--data", data,
-                          "--output", "a.hpp"})
-                    .status == 0);
-        REQUIRE(shop.run("export --weights bytes.safetensors --output b.hpp").status == 0);
+        shop.succeeds(
+            {"export", "--weights", "float.safetensors", "--bits", "8", "--data", data, "--output", "a.hpp"});
+        shop.succeeds("export --weights bytes.safetensors --output b.hpp");
         CHECK((text_of(shop / "a.hpp") == text_of(shop / "b.hpp"))); // told without the texts
-        REQUIRE(shop.run({"export", "--weights", "float.safetensors", "--bits", "8", "--data", data,
-                          "--images", "all", "--output", "c.hpp"})
-                    .status == 0);
+        shop.succeeds({"export", "--weights", "float.safetensors", "--bits", "8", "--data", data, "--images",
+                       "all", "--output", "c.hpp"});
 
         const auto refuses = [&](words more, const std::string& sentence) {
             more.insert(more.begin(), "export");

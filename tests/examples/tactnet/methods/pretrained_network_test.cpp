@@ -8,13 +8,11 @@
 
 #include <doctest/doctest.h>
 
-#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstddef>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 using namespace support;
@@ -101,11 +99,10 @@ TEST_SUITE("program") {
             more += "--pretrained pretrained --epochs 2 --checkpoint-every 1e-9";
             return tuning.arguments(output, more);
         };
-        REQUIRE(shop.run(run("whole", {})).status == 0);
+        shop.succeeds(run("whole", {}));
         const pid_t child = shop.start(run("net", {}));
         shop.wait_for_file("net.checkpoint");
-        kill(child, SIGKILL);
-        shop.wait(child);
+        shop.stop(child, SIGKILL);
         REQUIRE_FALSE(fs::exists(shop / "net"));
         const outcome again = shop.succeeds(run("net", {"--resume"}));
         CHECK(text_of(shop / "net") == text_of(shop / "whole"));

@@ -86,7 +86,7 @@ TEST_SUITE("program") {
         const workshop shop;
         fs::remove_all(shop.data() / "right");
         for (const char* name : {"svm-linear", "svm-rbf"}) {
-            REQUIRE(shop.train({"--method", name, "--output", name}).status == 0);
+            shop.trains({"--method", name, "--output", name});
             const auto score = [&](const char* folder, const std::string& found) {
                 const outcome result = shop.succeeds(
                     {"classify", "--weights", name, (shop.data() / folder / "image1.png").string()});
@@ -118,9 +118,8 @@ TEST_SUITE("program") {
             CHECK(file.contains("selftest.values"));
 
             // Any number of threads, and the other name of the option.
-            REQUIRE(shop.run({"train", "--data", shop.data().string(), "--method", name, "--rows", "7",
-                              "--columns", "13", "--seed", "5", "--threads", "3", "--output", "again"})
-                        .status == 0);
+            shop.succeeds({"train", "--data", shop.data().string(), "--method", name, "--rows", "7",
+                           "--columns", "13", "--seed", "5", "--threads", "3", "--output", "again"});
             CHECK(text_of(shop / "again") == text_of(shop / weights.c_str()));
 
             // The split's test images give the same matrix again.
@@ -167,7 +166,7 @@ TEST_SUITE("program") {
 
             shop.refuses({"classify", "--weights", weights, "large.png"},
                          "large.png: expected 7 x 13 pixels (rows x columns), or --resize, found 14 x 26");
-            CHECK(shop.run({"classify", "--resize", "--weights", weights, "large.png"}).status == 0);
+            shop.succeeds({"classify", "--resize", "--weights", weights, "large.png"});
             shop.refuses({"export", "--weights", weights, "--output", "x.hpp"},
                          weights + ": expected a network, found the support vector machine " + name +
                              ", which cannot be written as a header");
@@ -188,7 +187,7 @@ TEST_SUITE("program") {
     TEST_CASE("support_vector_machine: bad weight files") {
         const workshop shop;
         for (const char* name : {"svm-linear", "svm-rbf", "surf-svm"})
-            REQUIRE(shop.train({"--method", name, "--output", name}).status == 0);
+            shop.trains({"--method", name, "--output", name});
         const std::string image = (shop.data() / "left" / "image0.png").string();
         const auto refuses = [&](const std::string& weights, const std::string& sentence, words more = {}) {
             more.insert(more.begin(), {"classify", "--weights", weights, image});

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <files/claims.hpp>
 #include <iterator>
 #include <limits>
 #include <string>
@@ -62,7 +63,7 @@ TEST_SUITE("program") {
         const auto arguments = [&](const char* output, const char* threads) {
             return training(shop, "squeezenet-pooled-rbf", output, {"--threads", threads});
         };
-        REQUIRE(shop.run(arguments("whole", "3")).status == 0);
+        shop.succeeds(arguments("whole", "3"));
         for (const int signal : {SIGINT, SIGKILL}) {
             CAPTURE(signal);
             const pid_t child = shop.start(arguments("net", "1"));
@@ -74,8 +75,7 @@ TEST_SUITE("program") {
                     break;
                 std::this_thread::sleep_for(std::chrono::milliseconds(2));
             }
-            kill(child, signal);
-            const outcome stopped = shop.wait(child);
+            const outcome stopped = shop.stop(child, signal);
             CHECK(stopped.status == (signal == SIGINT ? 130 : 1000 + SIGKILL));
             if (signal == SIGINT)
                 says(stopped.error, "stopped; the same command goes on with what is left, from "
@@ -100,13 +100,12 @@ TEST_SUITE("program") {
             return;
         keep_images(shop, 5);
         write_pretrained<squeezenet>(shop / "pretrained");
-        const auto evaluate = [&](const char* methods, words more = {}) {
-            more.insert(more.begin(),
-                        {"evaluate", "--data", shop.data().string(), "--method", methods, "--rows", "7",
-                         "--columns", "13", "--splits", "2", "--pretrained", "pretrained", "--jobs", "2"});
-            outcome result = shop.run(more);
-            REQUIRE_MESSAGE(result.status == 0, result.error);
-            return result;
+        const auto arguments = [](const char* methods, const words& more) {
+            return words{"evaluate", "--method", methods} +
+                   "--data DATA --rows 7 --columns 13 --splits 2 --pretrained pretrained --jobs 2" + more;
+        };
+        const auto evaluate = [&](const char* methods, const words& more = {}) {
+            return shop.succeeds(arguments(methods, more));
         };
         const auto finds = [](const outcome& result) {
             return result.error.find("SqueezeNet 1.1 features of") != std::string::npos;
@@ -124,8 +123,12 @@ TEST_SUITE("program") {
         const std::string file = only_file_in(shop / "results/features"), whole = text_of(file);
         const auto first = results();
         CHECK(first.size() == 8);
+        // What a killed program has locked goes.
+        const fs::path lock = shop / "results/features/.tactnet-0123456789abcdef.lock";
+        tactnet::write_file(lock, "");
         // Nothing is left to do; then another machine behind the same features; then all again.
         CHECK_FALSE(finds(evaluate("squeezenet-pooled-svm,svm-linear")));
+        CHECK_FALSE(fs::exists(lock));
         CHECK_FALSE(finds(evaluate("squeezenet-pooled-rbf")));
         CHECK_FALSE(finds(evaluate("squeezenet-pooled-svm,svm-linear", {"--afresh"})));
         CHECK(results() == first);
@@ -144,11 +147,19 @@ TEST_SUITE("program") {
         evaluate_damaged(whole.size() / 2, "features of 1 of 15 images are damaged, and found anew");
         evaluate_damaged(40, "features of something else, or damaged; all are found anew");
 
+        // One program at a time finds them.
+        claims mine;
+        REQUIRE(mine.take(file));
+        const pid_t waits = shop.start(arguments("squeezenet-pooled-svm", {"--afresh"}));
+        shop.wait_for(waits, "waiting for the features that another program finds, results/features/");
+        mine.release(file);
+        CHECK(shop.wait(waits).status == 0);
+
         // Other weights give other features, which stand beside them.
         write_pretrained<squeezenet>(shop / "pretrained", element_type::float16);
         CHECK(finds(evaluate("squeezenet-pooled-svm")));
         CHECK(text_of(file) == whole);
-        CHECK(results().size() == 8 + 4);
+        CHECK(results().size() == 4 + 4);
     }
 
     TEST_CASE("trunk_svm: weights that are missing, wrong, or of no use") {
@@ -202,7 +213,7 @@ TEST_SUITE("program") {
         // Of the file of a training, what it needs is its own.
         write_pretrained<squeezenet>(shop / "pretrained");
         keep_images(shop, 3);
-        REQUIRE(shop.run(training(shop, "squeezenet-pooled-svm", "net", {"--test", "0.3"})).status == 0);
+        shop.succeeds(training(shop, "squeezenet-pooled-svm", "net", {"--test", "0.3"}));
         const std::string image = (shop.data() / "left" / "image0.png").string();
         const auto refuses_file = [&](const std::string& name, const std::string& sentence) {
             shop.refuses({"classify", "--weights", name, image}, name + ": " + sentence);

@@ -60,16 +60,6 @@ const published_result* find_title(std::string_view title, std::size_t rows, std
     return found == published_results.end() ? nullptr : &*found;
 }
 
-bool has(const std::string& text, std::string_view part) {
-    return text.find(part) != std::string::npos;
-}
-
-std::vector<epoch_report> epochs(std::size_t count) {
-    std::vector<epoch_report> all;
-    for (std::size_t e = 1; e <= count; ++e)
-        all.push_back({e, 0.1, 1.0 / static_cast<double>(e), 2.0 / static_cast<double>(e), 0.5});
-    return all;
-}
 std::vector<std::size_t> numbers_of(const std::vector<epoch_report>& curve) {
     std::vector<std::size_t> numbers;
     for (const epoch_report& e : curve)
@@ -180,52 +170,40 @@ TEST_SUITE("program") {
         CHECK_MESSAGE(second.ends_with(",\"needs a file, which is \"\"away\"\"\""), second);
     }
 
-    TEST_CASE("published_results: those of the paper's table, number by number" *
-              doctest::test_suite("data")) {
-        const auto path = find_data("published_results.csv");
-        if (!path)
+    TEST_CASE(
+        "published_results: those of the paper's table and of its figure of resolutions, number by number" *
+        doctest::test_suite("data")) {
+        using cells = std::vector<std::string>;
+        const auto table = find_data("published_results.csv"),
+                   figure = find_data("published_resolution_results.csv");
+        if (!table || !figure)
             return;
-        const auto lines = cells_of(*path);
-        REQUIRE(lines.at(0) == std::vector<std::string>{"method", "parameters", "test_accuracy_mean_percent",
-                                                        "test_accuracy_sd_percent", "t_gpu_s", "t_cpu_s"});
-        for (std::size_t i = 1; i < lines.size(); ++i) {
-            const published_result* found = find_title(lines[i].at(0), 28, 50);
-            REQUIRE_MESSAGE(found != nullptr, lines[i].at(0));
-            CAPTURE(found->title);
-            CHECK(found->accuracy == std::stod(lines[i].at(2)));
-            CHECK(found->deviation == std::stod(lines[i].at(3)));
-            CHECK(found->seconds == std::stod(lines[i].at(5)));
+        auto methods = cells_of(*table), sizes = cells_of(*figure);
+        REQUIRE(methods.at(0) == cells{"method", "parameters", "test_accuracy_mean_percent",
+                                       "test_accuracy_sd_percent", "t_gpu_s", "t_cpu_s"});
+        REQUIRE(sizes.at(0) == cells{"method", "rows", "columns", "test_accuracy_mean_percent",
+                                     "test_accuracy_sd_percent", "splits"});
+        std::set<const published_result*> seen;
+        const auto compare = [&](const std::string& title, std::size_t rows, std::size_t columns,
+                                 const std::string& accuracy, const std::string& deviation) {
+            CAPTURE(title);
+            const published_result* const found = find_title(title, rows, columns);
+            REQUIRE(found != nullptr);
+            CHECK(found->accuracy == std::stod(accuracy));
+            CHECK(found->deviation == std::stod(deviation));
+            seen.insert(found);
+            return found->seconds;
+        };
+        for (std::size_t i = 1; i < methods.size(); ++i) {
+            const cells& c = methods[i];
+            CHECK(compare(c.at(0), 28, 50, c.at(2), c.at(3)) == std::stod(c.at(5)));
         }
-        CHECK(std::count_if(published_results.begin(), published_results.end(), [](const auto& p) {
-                  return p.rows == 28;
-              }) == static_cast<std::ptrdiff_t>(lines.size() - 1));
-    }
-
-    TEST_CASE("published_results: those of the paper's figure of resolutions, number by number" *
-              doctest::test_suite("data")) {
-        const auto path = find_data("published_resolution_results.csv");
-        if (!path)
-            return;
-        const auto lines = cells_of(*path);
-        REQUIRE(lines.at(0) == std::vector<std::string>{"method", "rows", "columns",
-                                                        "test_accuracy_mean_percent",
-                                                        "test_accuracy_sd_percent", "splits"});
-        std::ptrdiff_t lower = 0;
-        for (std::size_t i = 1; i < lines.size(); ++i) {
-            const std::size_t rows = std::stoul(lines[i].at(1)), columns = std::stoul(lines[i].at(2));
-            const published_result* found = find_title(lines[i].at(0), rows, columns);
-            REQUIRE_MESSAGE(found != nullptr, lines[i].at(0));
-            CAPTURE(found->title);
-            CAPTURE(rows);
-            CHECK(found->accuracy == std::stod(lines[i].at(3)));
-            CHECK(found->deviation == std::stod(lines[i].at(4)));
-            if (rows == 28)
-                continue;
-            ++lower;
-            CHECK(found->seconds == 0);
+        for (std::size_t i = 1; i < sizes.size(); ++i) {
+            const cells& c = sizes[i];
+            const std::size_t rows = std::stoul(c.at(1));
+            CHECK((compare(c.at(0), rows, std::stoul(c.at(2)), c.at(3), c.at(4)) == 0) == (rows != 28));
         }
-        CHECK(std::count_if(published_results.begin(), published_results.end(),
-                            [](const auto& p) { return p.rows != 28; }) == lower);
+        CHECK(seen.size() == published_results.size());
     }
 
     TEST_CASE("published_results: a name of ours for each of the paper's") {

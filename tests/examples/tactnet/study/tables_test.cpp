@@ -20,10 +20,6 @@ using tactnet::split_rule;
 
 namespace {
 
-bool has(const std::string& text, std::string_view part) {
-    return text.find(part) != std::string::npos;
-}
-
 std::string markdown(const std::vector<study_row>& rows) {
     return study_markdown(rows, {"images", "program"});
 }
@@ -40,13 +36,6 @@ study_row confused(std::vector<std::string> classes, const std::vector<std::size
             row.confusion.add(i / classes.size(), i % classes.size());
     row.classes = std::move(classes);
     return row;
-}
-
-std::vector<epoch_report> epochs(std::size_t count) {
-    std::vector<epoch_report> all;
-    for (std::size_t e = 1; e <= count; ++e)
-        all.push_back({e, 0.1, 1.0 / static_cast<double>(e), 2.0 / static_cast<double>(e), 0.5});
-    return all;
 }
 
 const study_picture* find_picture(const std::vector<study_picture>& pictures, std::string_view name) {
