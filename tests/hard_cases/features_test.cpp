@@ -71,7 +71,8 @@ void check_clusters(const std::string& name, float middle, float apart) {
         wrong_plainly +=
             nearest(point, found.centres.data(), 2, true) != nearest(point, found.centres.data(), 2, false);
     }
-    hold("features", name + ": points with the wrong centre", unit::absolute, {0, wrong_plainly, wrong, 0});
+    hold("features", name + ": points assigned to the wrong centre", unit::absolute,
+         {0, wrong_plainly, wrong, 0});
 }
 
 } // namespace
@@ -135,7 +136,7 @@ TEST_CASE("bag_of_words: words far from zero, descriptors that are all the same,
          {1, 1, static_cast<double>(histogram(words, alike)[0]), 0});
     const auto none = histogram(words, {});
     const float nothing = 0;
-    hold("features", "a histogram of no descriptors (plain: 0 ÷ 0)", unit::absolute,
+    hold("features", "a histogram of no descriptors (naive: 0 ÷ 0)", unit::absolute,
          {0, static_cast<double>(nothing / nothing), static_cast<double>(none[0] + none[1]), 0});
 }
 
@@ -154,11 +155,11 @@ TEST_CASE("dense_surf: constant images of counts and of real numbers") {
         inside += p.level == 0 && p.row >= 10 && p.row + 11 <= 27 && p.column >= 10 && p.column + 11 <= 49;
     CHECK(finite);
     const float length = 0;
-    hold("features", "a constant image: descriptors away from its border (plain: 0 ÷ 0)", unit::absolute,
+    hold("features", "a constant image: descriptors away from its border (naive: 0 ÷ 0)", unit::absolute,
          {0, static_cast<double>(length / length), inside, 0});
     std::fill(image.begin(), image.end(), 0.0f);
     REQUIRE(surf->describe(image));
-    hold("features", "an empty image: descriptors (plain: 0 ÷ 0)", unit::absolute,
+    hold("features", "an empty image: descriptors (naive: 0 ÷ 0)", unit::absolute,
          {0, static_cast<double>(length / length), static_cast<double>(surf->places().size()), 0});
 }
 

@@ -67,8 +67,8 @@ TEST_CASE("resize_bicubic: images of one line or one pixel, and ratios of a thou
     check_constant<keys_cubic<>>("1000 × 1 to 7 × 13, constant", 1000, 1, 7, 13);
     check_constant<keys_cubic<>>("1 × 1 to 28 × 50, constant", 1, 1, 28, 50);
     check_constant<keys_cubic<>>("1 × 1000 to 1000 × 1, constant", 1, 1000, 1000, 1);
-    check_constant<lagrange_cubic>("1 × 1 to 28 × 50, constant, the paper's", 1, 1, 28, 50);
-    check_constant<lagrange_cubic>("3 × 2 to 28 × 50, constant, the paper's", 3, 2, 28, 50);
+    check_constant<lagrange_cubic>("1 × 1 to 28 × 50, constant, Lagrange cubic", 1, 1, 28, 50);
+    check_constant<lagrange_cubic>("3 × 2 to 28 × 50, constant, Lagrange cubic", 3, 2, 28, 50);
 }
 
 // Lagrange's cubic through four pixels is exact on cubics, border included: rounded once, of weights that add
@@ -89,7 +89,7 @@ TEST_CASE("resize_bicubic: a cubic through the paper's interpolation") {
         all.push_back({exact, static_cast<double>(plain_resized(image, from, to, i)),
                        static_cast<double>(resized[i]), u * std::abs(exact) + 6 * 0x1p-50 * largest});
     }
-    hold("images", "a cubic, 10 to 37 pixels, the paper's", unit::absolute, all);
+    hold("images", "a cubic polynomial, 10 to 37 pixels, Lagrange cubic", unit::absolute, all);
 }
 
 // The sum of the magnitudes of all weights: what alternating noise of one count can become.
@@ -106,10 +106,12 @@ TEST_CASE("resize_bicubic: the gain at the border") {
         }
         return *std::ranges::max_element(sums);
     };
-    limit("images", "gain of the paper's interpolation along an axis, 4 to 400", gain(keys_cubic<>{}, 4, 400),
-          gain(lagrange_cubic{}, 4, 400), "its cubic goes on beyond the last pixel; beside it Keys'");
-    limit("images", "gain of the paper's interpolation along an axis, 28 to 14", gain(keys_cubic<>{}, 28, 14),
-          gain(lagrange_cubic{}, 28, 14), "the published resolutions are made so");
+    limit("images", "noise gain of the Lagrange cubic along an axis, 4 to 400 pixels",
+          gain(keys_cubic<>{}, 4, 400), gain(lagrange_cubic{}, 4, 400),
+          "it extrapolates at the border; naive column: Keys' cubic");
+    limit("images", "noise gain of the Lagrange cubic along an axis, 28 to 14 pixels",
+          gain(keys_cubic<>{}, 28, 14), gain(lagrange_cubic{}, 28, 14),
+          "as for the published resolutions; naive column: Keys' cubic");
 }
 
 namespace {
@@ -157,11 +159,13 @@ void check_map(const std::string& name, const image_transform& t, double exact) 
 // contact.
 TEST_CASE("transform_image: maps that collapse the image or blow it up") {
     const double middle = 45 * 37 % 256;
-    check_map("an affine map of all zeros: everywhere the middle",
+    check_map("an affine map of zeros: the centre pixel everywhere",
               {.row_by_row = 0, .row_by_column = 0, .column_by_row = 0, .column_by_column = 0}, middle);
-    check_map("a map to 1e30: nothing", {.row_by_row = 0, .row_shift = 1e30, .column_by_column = 0}, 0);
-    check_map("a map to −∞: nothing", {.row_by_row = 0, .row_shift = -INFINITY, .column_by_column = 0}, 0);
-    check_map("a map to 1e300: nothing", {.row_by_row = 0, .column_by_column = 0, .column_shift = 1e300}, 0);
+    check_map("an affine map to 1e30: zeros", {.row_by_row = 0, .row_shift = 1e30, .column_by_column = 0}, 0);
+    check_map("an affine map to −∞: zeros", {.row_by_row = 0, .row_shift = -INFINITY, .column_by_column = 0},
+              0);
+    check_map("an affine map to 1e300: zeros",
+              {.row_by_row = 0, .column_by_column = 0, .column_shift = 1e300}, 0);
     check_map("a gain of 0", {.gain = 0}, 0);
     // All but the middle comes from 1e20 tactels away.
     const image_transform thin = image_transform::of({.zoom = 1e-20});
@@ -170,5 +174,5 @@ TEST_CASE("transform_image: maps that collapse the image or blow it up") {
     for (std::size_t i = 0; i < size.size(); ++i)
         all.push_back({i == 45 ? middle : 0, static_cast<double>(plain_sampled(thin, i)),
                        static_cast<double>(to(i / 13, i % 13)), 0});
-    hold("images", "a zoom of 1e-20: the middle, and nothing", unit::absolute, all);
+    hold("images", "a zoom of 1e-20: the centre pixel, and zeros", unit::absolute, all);
 }

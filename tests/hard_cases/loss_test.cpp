@@ -111,7 +111,7 @@ TEST_CASE("softmax_cross_entropy: logits of all sizes, smoothing from none to ne
     check_loss("smoothing 1", spread(5), 3, 1);
     std::vector<float> sure = spread(1);
     sure[3] = 60;
-    check_loss("the right class by 60", sure, 3, 0);
+    check_loss("the correct class ahead by 60", sure, 3, 0);
     sure[3] = -300;
     check_loss("a probability of e^-300", sure, 3, 0);
 }
@@ -189,6 +189,6 @@ TEST_CASE("softmax_cross_entropy: a class without images") {
     double sum = 0;
     for (std::size_t s = 0; s < samples; ++s)
         sum += static_cast<double>(gradient(s, 21));
-    hold("loss", "20 of 22 classes without images, gradient of one", unit::relative,
+    hold("loss", "20 of 22 classes without images, gradient of one logit", unit::relative,
          {zero.gradient[21], plain(logits, 0, 0).gradient[21], sum, 2 * support::unit_roundoff<float>});
 }

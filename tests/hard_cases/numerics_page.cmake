@@ -1,7 +1,9 @@
-# Writes the tables of docs/numerics.md from what the hard cases measured.
+# Writes docs/numerics.md between its marks, and a page of tables per topic from what the hard cases measured.
 #
 # cmake -DRECORDS=<records.jsonl> [-DRUNS=<file of a run;…>] [-DSAVE=<records to write>] -DPAGE=<page with both marks>
-#       -DTO=<page to write> -P numerics_page.cmake
+#       -DTO=<page to write> -DTABLES=<folder of the tables to write> [-DCHECK=ON] -P numerics_page.cmake
+#
+# With CHECK nothing is written: the script fails if TO or a file in TABLES differs from what it would write.
 #
 # Each instruction set is a column of the tables. The records begin with a line per column. Each line after those is a case:
 # its fields and the error of each column ("" if it has none). A run holds a line per case with names, and its own error; it
@@ -158,33 +160,98 @@ foreach(set IN LISTS sets)
     string(APPEND set_rules "---|")
 endforeach()
 
-set(text "## How it was built\n\n| column | instruction set | compiler | processor |\n|---|---|---|---|\n${built}")
-set(count 0)
-foreach(topic IN LISTS topics)
+# Writes a file, or compares it with what it should be.
+function(output file text)
+    if(NOT CHECK)
+        file(WRITE "${file}" "${text}")
+        return()
+    endif()
+    set(old "")
+    if(EXISTS "${file}")
+        file(READ "${file}" old)
+    endif()
+    if(NOT old STREQUAL text)
+        message(FATAL_ERROR "${file} differs from what ${RECORDS} gives; build the target numerics_page.")
+    endif()
+endfunction()
+function(heading result topic)
     string(SUBSTRING "${topic}" 0 1 first)
     string(TOUPPER "${first}" first)
     string(SUBSTRING "${topic}" 1 -1 rest)
-    string(APPEND text "\n## ${first}${rest}\n\n| case | exact | plain | its error | ours | bound | error: ${set_titles} |\n"
-           "|---|---|---|---|---|---|${set_rules}\n")
+    set(${result} "${first}${rest}" PARENT_SCOPE)
+endfunction()
+function(file_of result topic)
+    string(TOLOWER "${topic}" name)
+    string(REPLACE " " "_" name "${name}")
+    set(${result} "${name}.md" PARENT_SCOPE)
+endfunction()
+set(note "<!-- Written by the target numerics_page. -->\n")
+set(columns "[How to read the columns](../numerics.md#reading-the-tables)")
+
+# A page per topic.
+set(count 0)
+set(contents "")
+foreach(topic IN LISTS topics)
+    heading(title "${topic}")
+    string(CONCAT text "# ${title}: hard cases\n\n${note}\n${columns}.\n\n"
+             "| case | exact | naive | its error | tactnet | bound | error: ${set_titles} |\n"
+             "|---|---|---|---|---|---|${set_rules}\n")
     foreach(key IN LISTS cases_${topic})
         measured(row ${key})
         string(APPEND text "| ${case_${key}} | ${exact_${key}} | ${plain_${key}} | ${plain_error_${key}} | ${ours_${key}} | "
                "${bound_${key}} |${row}\n"
         )
-        math(EXPR count "${count} + 1")
     endforeach()
+    list(LENGTH cases_${topic} cases)
+    math(EXPR count "${count} + ${cases}")
+    file_of(file "${topic}")
+    output("${TABLES}/${file}" "${text}")
+    string(APPEND contents "| [${title}](numerics/${file}) | ${cases} |\n")
 endforeach()
-string(APPEND text "\n## Limits\n\n| what | why | plain | ours: ${set_titles} |\n|---|---|---|${set_rules}\n")
+string(CONCAT text "# Limits of numerical stability\n\n${note}\n${columns}.\n\n"
+         "| what | why | naive | tactnet: ${set_titles} |\n|---|---|---|${set_rules}\n")
 list(LENGTH limits limit_count)
 foreach(key IN LISTS limits)
     measured(row ${key})
     string(APPEND text "| ${topic_${key}}: ${case_${key}} | ${exact_${key}} | ${plain_${key}} |${row}\n")
 endforeach()
+output("${TABLES}/limits.md" "${text}")
+string(APPEND contents "| [Limits](numerics/limits.md) | ${limit_count} |\n")
+
+# The ten most telling cases: topic, case, what goes wrong.
+list(GET sets 0 first_set)
+string(CONCAT text "## Ten telling cases\n\nErrors are of the column `${first_set}`, and in the unit of the bound.\n\n"
+         "| case | why it is hard | exact | naive | tactnet | its error | bound |\n|---|---|---|---|---|---|---|\n")
+macro(telling topic case why)
+    table_key(key "${topic}" "${case}")
+    if(NOT key IN_LIST known)
+        message(FATAL_ERROR "numerics_page.cmake: there is no case '${topic}', '${case}'.")
+    endif()
+    set(naive "${plain_${key}}")
+    if(plain_error_${key} STREQUAL "silent")
+        string(APPEND naive ", silently")
+    endif()
+    string(APPEND text "| ${case} | ${why} | ${exact_${key}} | ${naive} | ${ours_${key}} | "
+           "${error_${first_set}_${key}} | ${bound_${key}} |\n")
+endmacro()
+telling("frames" "TactNet-6, 28 × 50, NaN at three places, deployed" "a comparison with NaN is false, so a ReLU hides it")
+telling("frames in 8 bits" "economical TactNet-6, 7 × 13, a negative tactel, 8 bits" "counts below 0 are clamped, 16-bit sums saturate")
+telling("loss" "logits within ±3e38" "exp overflows")
+telling("loss" "a probability of e^-300" "the logarithm of a probability that underflowed")
+telling("batch norm" "mean 2e4, deviation 0.004" "E(x²) − E(x)² cancels")
+telling("sums" "10⁷ values of 1e6 ± 1, variance" "the sum loses its last digits, then E(x²) − E(x)² cancels")
+telling("optimisers" "AdamW, first gradient 1.7e20" "the square of the gradient overflows")
+telling("features" "two clusters at 1e4, 1 apart: points assigned to the wrong centre" "‖x‖² − 2 x·c + ‖c‖² cancels")
+telling("support vector machines" "pairwise probabilities of exactly 0 and 1: their sum" "the coupling divides by zero")
+telling("simulation" "resistors, one tactel shorted, floating lines" "conductances differ by a factor of 10⁷")
+
+string(APPEND text "\n## All tables\n\n| table | cases |\n|---|---|\n${contents}\n"
+       "## Measured on\n\n| column | instruction set | compiler | processor |\n|---|---|---|---|\n${built}")
 
 string(LENGTH "${begin}" length)
 math(EXPR from "${from} + ${length}")
 string(SUBSTRING "${page}" 0 ${from} before)
 string(SUBSTRING "${page}" ${to} -1 behind)
-file(WRITE "${TO}" "${before}\n\n${text}\n${behind}")
+output("${TO}" "${before}\n\n${text}\n${behind}")
 list(LENGTH sets columns)
 message("${count} cases, ${limit_count} limits, ${columns} columns")

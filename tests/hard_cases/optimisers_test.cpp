@@ -24,7 +24,7 @@
 using namespace tactnet;
 using hard_cases::hold;
 using hard_cases::limit;
-using hard_cases::tell;
+using hard_cases::reported;
 using hard_cases::unit;
 
 namespace {
@@ -113,23 +113,23 @@ TEST_CASE("trainer: a training that cannot succeed is reported, and the last goo
     one_number frozen(adamw{.decay = 0}, 1, false);
     for (int step = 0; step < 1000; ++step)
         frozen.step(1e-2, step == 0 ? 1e21f : 1.0f);
-    tell("optimisers", "AdamW, gradients of 1e25 in a training", frozen.value(),
-         diverges_and_keeps(how, 1e25f, 1), "training_diverged, last weights kept");
+    reported("optimisers", "AdamW, training with gradients of 1e25", frozen.value(),
+             diverges_and_keeps(how, 1e25f, 1), "training_diverged, earlier weights kept");
     how.optimiser = sgd{};
     how.rate = 1e38;
     one_number flung(sgd{}, 1, false);
     for (int step = 0; step < 20; ++step)
         flung.step(1e38, static_cast<float>(flung.value()));
-    tell("optimisers", "SGD, a rate of 1e38", flung.value(), diverges_and_keeps(how, 1, 20),
-         "training_diverged, last weights kept");
+    reported("optimisers", "SGD, a rate of 1e38", flung.value(), diverges_and_keeps(how, 1, 20),
+             "training_diverged, earlier weights kept");
     how.optimiser = adamw{};
     how.rate = INFINITY;
-    tell("optimisers", "AdamW, a rate that is infinite", NAN, diverges_and_keeps(how, 1, 20),
-         "training_diverged, last weights kept");
+    reported("optimisers", "AdamW, an infinite rate", NAN, diverges_and_keeps(how, 1, 20),
+             "training_diverged, earlier weights kept");
 }
 
 // With a smoothing of 1 no image has a class, beyond it an image has all classes but its own.
-TEST_CASE("trainer: a label smoothing with which nothing can be learnt is refused") {
+TEST_CASE("trainer: a label smoothing with which nothing can be learnt is rejected") {
     const auto refused = [](double smoothing) {
         recipe how = recipe::on_features();
         how.label_smoothing = smoothing;
@@ -146,10 +146,10 @@ TEST_CASE("trainer: a label smoothing with which nothing can be learnt is refuse
     };
     CHECK_FALSE(refused(0));
     CHECK_FALSE(refused(0.999));
-    tell("loss", "label smoothing 1 in a training: the share of the right class", 1.0 / 3, refused(1),
-         "refused");
-    tell("loss", "label smoothing 2 in a training: the share of the right class", 2.0 / 3 - 1, refused(2),
-         "refused");
+    reported("loss", "training with label smoothing 1: weight of the correct class", 1.0 / 3, refused(1),
+             "rejected");
+    reported("loss", "training with label smoothing 2: weight of the correct class", 2.0 / 3 - 1, refused(2),
+             "rejected");
     CHECK(refused(-0.1));
     CHECK(refused(NAN));
 }
@@ -212,7 +212,7 @@ TEST_CASE("adamw: weight decay over a million steps") {
     hold("optimisers", "AdamW, weight decay of 1e-6 a step, a million steps", unit::relative,
          {std::pow(1 - 1e-6, 1e6), plain(1e-6f), decayed(2e-5), support::accumulated(u, 1e6)});
     limit("optimisers", "AdamW, weight decay of 2e-8 a step, a million steps", plain(2e-8f), decayed(4e-7),
-          "0.980; a step below 3e-8 of a weight moves nothing");
+          "exact: 0.980; a step below 3e-8 of a weight rounds to zero");
 }
 
 // Nothing stops it: the loss falls towards zero. Its value is a double, of exact logits: 4 roundings and the
@@ -234,7 +234,7 @@ TEST_CASE("trainer: ten thousand epochs on 8 images") {
         t.run_epoch();
     const evaluation found =
         evaluate(t.latest(), t.input_normalisation(), task.images(), split.training, threads);
-    hold("optimisers", "ten thousand epochs on 8 images: how many it knows", unit::absolute,
+    hold("optimisers", "10 000 epochs on 8 images: images recognised", unit::absolute,
          {8, 8, static_cast<double>(found.confusion.correct()), 0});
     CHECK(t.history().back().loss >= 0);
     CHECK(t.history().back().loss < 1e-2);

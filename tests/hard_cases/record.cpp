@@ -46,13 +46,13 @@ std::string compiler() {
 #endif
 }
 
-/// As the system calls it: what denormal numbers cost depends on it.
+/// The system's name of the processor, on which the cost of denormal numbers depends.
 std::string processor() {
     std::ifstream info("/proc/cpuinfo");
     for (std::string line; std::getline(info, line);)
         if (line.starts_with("model name"))
             return line.substr(std::min(line.find(':') + 2, line.size()));
-    return "not known";
+    return "unknown";
 }
 
 void write(std::initializer_list<std::pair<std::string_view, std::string>> fields) {
@@ -116,8 +116,8 @@ bool worse(double a, double b) {
 
 void hold(std::string_view topic, std::string_view name, unit what, std::span<const outcome> outcomes) {
     REQUIRE_FALSE(outcomes.empty());
-    const outcome* shown = nullptr;    // where the plain implementation is worst
-    const outcome* tightest = nullptr; // where our error takes the largest part of its bound
+    const outcome* shown = nullptr;    // where the naive implementation is worst
+    const outcome* tightest = nullptr; // whose error takes the largest part of its bound
     double plain_error = -1, error = 0, part = -1;
     for (const outcome& o : outcomes) {
         const double of_plain = error_of(o.plain, o.exact, what), own = error_of(o.ours, o.exact, what);
@@ -138,10 +138,12 @@ void hold(std::string_view topic, std::string_view name, unit what, const outcom
     hold(topic, name, what, std::span(&one, 1));
 }
 
-void tell(std::string_view topic, std::string_view name, double plain, bool told, std::string_view how) {
-    INFO(std::string(topic), ", ", std::string(name), ": expected to be told ", std::string(how));
-    CHECK(told);
-    write_case(topic, name, "none", plain, std::string(how), "not told", "told", told ? "told" : "not told");
+void reported(std::string_view topic, std::string_view name, double plain, bool is_reported,
+              std::string_view how) {
+    INFO(std::string(topic), ", ", std::string(name), ": expected the report ", std::string(how));
+    CHECK(is_reported);
+    write_case(topic, name, "none", plain, std::string(how), "silent", "reported",
+               is_reported ? "reported" : "silent");
 }
 
 void limit(std::string_view topic, std::string_view name, double plain, double ours,

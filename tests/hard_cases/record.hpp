@@ -1,36 +1,38 @@
 #pragma once
 
-// What each hard case states: the exact result, what a plain implementation gives, what ours gives, and the
-// bound that our error is held to. With TACTNET_HARD_CASES=FILE in the environment every case adds a line of
-// JSON to that file; docs/numerics.md is made of such files (numerics_page.cmake).
+// Each hard case compares the library with the exact result and with a naive implementation, and checks that
+// the library's error is within its bound. If TACTNET_HARD_CASES=FILE is in the environment, each case
+// appends a line of JSON to that file; numerics_page.cmake makes docs/numerics.md and docs/numerics/ from
+// such files.
 
 #include <span>
 #include <string_view>
 
 namespace hard_cases {
 
-/// In what an error is told.
+/// The unit of an error.
 enum class unit {
     absolute,
     relative, ///< to the exact result
     ulp       ///< units in the last place of the exact result, in single precision
 };
 
-/// One number of a case. The bound is in the case's unit.
+/// One number of a case: exact, by the naive implementation, by the library. The bound is in the case's unit.
 struct outcome {
     double exact = 0, plain = 0, ours = 0, bound = 0;
 };
 
-/// Checks that every error of ours is within its bound. The line tells the number where the plain
-/// implementation is worst, and the largest part of a bound that an error of ours takes.
+/// Checks that every error of the library is within its bound. The line shows the number at which the naive
+/// implementation is worst, and the library's error that takes the largest part of its bound.
 void hold(std::string_view topic, std::string_view name, unit what, std::span<const outcome> outcomes);
 void hold(std::string_view topic, std::string_view name, unit what, const outcome& one);
 
-/// A case that has no right result: checks that it is told. `plain` is what a plain implementation gives
-/// without a word, `how` what ours says.
-void tell(std::string_view topic, std::string_view name, double plain, bool told, std::string_view how);
+/// A case without a correct result: checks that the library reports it. `plain` is what a naive
+/// implementation returns silently, `how` the library's report.
+void reported(std::string_view topic, std::string_view name, double plain, bool is_reported,
+              std::string_view how);
 
-/// What is not stable, with its number: `ours` is how far it goes, `reason` why.
+/// A limit of numerical stability: `ours` measures it, `reason` explains it.
 void limit(std::string_view topic, std::string_view name, double plain, double ours, std::string_view reason);
 
 } // namespace hard_cases

@@ -77,12 +77,12 @@ void check_moments(const std::string& name, const aligned_vector<float>& values)
 
 TEST_CASE("sum_terms: ten million terms that cancel, grow, or hide behind one") {
     check_sum("10⁷ times 0.1", filled([](std::size_t) { return 0.1f; }));
-    check_sum("10⁷ terms that alternate and grow", filled([](std::size_t i) {
+    check_sum("10⁷ alternating, growing terms", filled([](std::size_t i) {
                   return (i % 2 ? -1.0f : 1.0f) * (1 + static_cast<float>(i) * 1e-4f);
               }));
-    check_sum("10⁷ terms that grow from 1e-20 to 1e20",
+    check_sum("10⁷ terms from 1e-20 to 1e20, growing",
               filled([](std::size_t i) { return std::pow(10.0f, static_cast<float>(i) / 2.5e5f - 20); }));
-    check_sum("10⁷ ones behind 1e12", filled([](std::size_t i) { return i == 0 ? 1e12f : 1.0f; }));
+    check_sum("10⁷ ones after 1e12", filled([](std::size_t i) { return i == 0 ? 1e12f : 1.0f; }));
     check_sum("10⁷ thirds, 1e10 and −1e10 far apart", filled([](std::size_t i) {
                   return i == 5 ? 1e10f : i == 9'000'000 ? -1e10f : 1.0f / 3;
               }));

@@ -21,7 +21,7 @@
 using namespace tactnet;
 using hard_cases::hold;
 using hard_cases::outcome;
-using hard_cases::tell;
+using hard_cases::reported;
 using hard_cases::unit;
 
 namespace {
@@ -152,7 +152,7 @@ support::samples on_a_line(std::size_t count) {
 } // namespace
 
 TEST_CASE("kernel_machine: the duality gap closes on degenerate samples") {
-    check_gap("two points in all", {1, {-1, 1}, {0, 1}}, 1, 0.5);
+    check_gap("two points", {1, {-1, 1}, {0, 1}}, 1, 0.5);
     check_gap("40 points on a line", on_a_line(40), 1, 0.5);
     support::samples doubled{2, {}, {}}, contradicting{2, {}, {}}, rare = support::blobs(1000, 2, 1, 0.3);
     for (std::size_t i = 0; i < 100; ++i) {
@@ -207,7 +207,7 @@ TEST_CASE("kernel_machine: decision values of a cloud far from the origin") {
         all.push_back({exact, static_cast<double>(plain), values[i],
                        sizes * (0.37 * 64 * support::accumulated(u, 8) + 8 * u)});
     }
-    hold("support vector machines", "decision values of a cloud at 3e4", unit::absolute, all);
+    hold("support vector machines", "decision values of a cluster at 3e4", unit::absolute, all);
 }
 
 TEST_CASE("kernel_machine: features of very different size, standardised") {
@@ -231,7 +231,7 @@ TEST_CASE("kernel_machine: features of very different size, standardised") {
     // Of the first 30, at most 3 lie nearer to another centre.
     CHECK(right(true).second);
     CHECK(right(false).second);
-    hold("support vector machines", "features of 1e-12, 1 and 1e12: right of 30", unit::absolute,
+    hold("support vector machines", "features of 1e-12, 1 and 1e12: correct of 30", unit::absolute,
          {30, right(false).first, right(true).first, 3});
 }
 
@@ -244,7 +244,7 @@ TEST_CASE("couple_pairwise: pairs that are certain") {
             certain[i * k + j] = i < j ? 1 : 0;
     const std::vector<double> p = couple_pairwise(certain, k);
     const double none = 0;
-    hold("support vector machines", "probabilities of pairs that are certain: the sum", unit::relative,
+    hold("support vector machines", "pairwise probabilities of exactly 0 and 1: their sum", unit::relative,
          {1, none / none, std::accumulate(p.begin(), p.end(), 0.0), 100 * k * k * 0x1p-52});
     for (const double each : p)
         CHECK(each >= 0);
@@ -264,7 +264,7 @@ TEST_CASE("sigmoid: separable values, and values of any size") {
         const auto p = [&](double v) { return 1 / (1 + std::exp(-slope * v)); };
         (800 * (0.75 - p(800)) + 900 * (0.75 - p(900)) > 0 ? low : high) = slope;
     }
-    hold("support vector machines", "sigmoid of separable values: P(first | 800)", unit::absolute,
+    hold("support vector machines", "sigmoid of separable values: P(first) at 800", unit::absolute,
          {1 / (1 + std::exp(-low * 800)), static_cast<double>(1 / (1 + std::exp(-800.0f))), fitted(800),
           1e-5 * 800 / (4 * 800.0 * 800.0)});
     const sigmoid steep{1, 0};
@@ -364,8 +364,8 @@ void check_linear(const std::string& name, const support::samples& s, double cos
     ours.push_back(parts.offsets[0]);
     // A thousand passes may not be enough.
     if (!trained.converged() && ends == end::may_be_out_of_passes)
-        return tell("support vector machines", "linear, " + name + ": objective", value(plain), true,
-                    "report.converged is false");
+        return reported("support vector machines", "linear, " + name + ": objective", value(plain), true,
+                        "report.converged is false");
     CHECK(trained.converged());
     double alphas = 0, rounding = 0;
     for (std::size_t i = 0; i < s.labels.size(); ++i) {
@@ -386,7 +386,7 @@ void check_linear(const std::string& name, const support::samples& s, double cos
 
 TEST_CASE("linear_machine: the objective of degenerate samples and extreme costs") {
     const support::samples two{1, {-1, 1}, {0, 1}};
-    check_linear("two points in all", two, 1);
+    check_linear("two points", two, 1);
     check_linear("two points, C 1e-12", two, 1e-12);
     check_linear("two points, C 1e6", two, 1e6);
     check_linear("40 points on a line", on_a_line(40), 1, end::may_be_out_of_passes);
@@ -398,7 +398,7 @@ TEST_CASE("linear_machine: the objective of degenerate samples and extreme costs
     check_linear("features of 1e-6, 1 and 1000", uneven, 1);
 }
 
-// Contradicting samples at a cost of 1e12 have no machine that is found in a thousand passes: that is told.
+// For contradicting samples at a cost of 1e12, a thousand passes find no machine, and the report says so.
 TEST_CASE("linear_machine: a training that does not converge reports it") {
     support::samples both = on_a_line(40);
     thread_pool threads(1);
@@ -408,7 +408,7 @@ TEST_CASE("linear_machine: a training that does not converge reports it") {
     for (const double value : trained.machine.decision_values(both.rows()))
         finite &= std::isfinite(value);
     CHECK(finite);
-    tell("support vector machines", "linear machine, contradicting labels, C 1e12", NAN,
-         std::ranges::any_of(trained.reports, [](const solver_report& r) { return !r.converged; }),
-         "report.converged is false");
+    reported("support vector machines", "linear machine, contradicting labels, C 1e12", NAN,
+             std::ranges::any_of(trained.reports, [](const solver_report& r) { return !r.converged; }),
+             "report.converged is false");
 }

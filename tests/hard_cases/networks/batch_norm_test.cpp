@@ -127,17 +127,17 @@ TEST_CASE("batch_norm: no variance, little variance and means far away, in train
     check_trained("mean 1e6 deviations away", pattern(3, 1e6f, 2), 1e-5);
     check_trained("mean 2e4, deviation 0.004", pattern(3, 2e4f, 0.0078125f), 1e-12);
     check_trained("values of 1e18", pattern(3, 0, 1e18f), 1e-5);
-    check_trained("one sample of one channel", pattern(1, 50, 1), 1e-5);
+    check_trained("a batch of one sample, one channel", pattern(1, 50, 1), 1e-5);
 }
 
 // d² leaves single precision where a value is 1.8e19 from the first: the outputs are zero, and the running
-// variance, which a file holds in single precision, infinite. A training tells that at the end of its epoch.
+// variance, which a file holds in single precision, infinite. Training reports it at the end of its epoch.
 TEST_CASE("batch_norm: a variance beyond single precision") {
     const std::vector<float> values = pattern(3, 0, 1e20f);
     hard_cases::limit("batch norm", "deviations beyond 1.8e19",
                       static_cast<double>(plain_normalised(values, 1e-5f)[0]),
                       static_cast<double>(trained_outputs(values, 1e-5)[0]),
-                      "the variance leaves single precision; a training says so");
+                      "the variance overflows single precision; training reports it");
 }
 
 // A step that moves less than half a unit in the last place moves nothing: with a share of a tenth, running
@@ -183,11 +183,11 @@ TEST_CASE("batch_norm: one sample of one pixel") {
     std::vector<float> running{0, 1};
     support::run_forward<one>({.threads = threads, .epsilon = 1e-5}, scale_and_shift.data(), running.data(),
                               memory, in.view(), out.view());
-    hard_cases::hold("batch norm", "one sample of one pixel: the output", unit::absolute,
+    hard_cases::hold("batch norm", "a batch of one pixel: the output", unit::absolute,
                      {0.5, 0.5, static_cast<double>(out(0, 0)), 0});
     const float nothing = 0;
     hard_cases::hold(
-        "batch norm", "one sample of one pixel: running variance (plain: 0 ÷ 0)", unit::ulp,
+        "batch norm", "a batch of one pixel: running variance (naive: 0 ÷ 0)", unit::ulp,
         {0.9, static_cast<double>(0.9f + 0.1f * (nothing / nothing)), static_cast<double>(running[1]), 1});
 }
 
@@ -251,10 +251,10 @@ TEST_CASE("batch_norm: the same folded for deployment") {
     check_folded("variance 1e-12, ε 1e-12", 0.25f, 1e-12f, 1e-12, 0.25f);
     check_folded("denormal variance, ε 1e-12", 0.25f, 1e-40f, 1e-12, 0.25f);
     check_folded("mean 1e6 deviations away", 1e6f, 1, 1e-5, 1e6f);
-    hard_cases::tell("batch norm", "variance 0, ε 0, deployed", INFINITY, refused(0, 0),
-                     "refused: parameters and variances");
-    hard_cases::tell("batch norm", "variance −1, deployed", NAN, refused(-1, 1e-5),
-                     "refused: parameters and variances");
-    hard_cases::tell("batch norm", "variance NaN, deployed", NAN, refused(NAN, 1e-5),
-                     "refused: parameters and variances");
+    hard_cases::reported("batch norm", "variance 0, ε 0, deployed", INFINITY, refused(0, 0),
+                         "rejected: parameters and variances");
+    hard_cases::reported("batch norm", "variance −1, deployed", NAN, refused(-1, 1e-5),
+                         "rejected: parameters and variances");
+    hard_cases::reported("batch norm", "variance NaN, deployed", NAN, refused(NAN, 1e-5),
+                         "rejected: parameters and variances");
 }

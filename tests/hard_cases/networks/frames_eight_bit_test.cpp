@@ -1,8 +1,7 @@
-// The same frames through the same networks in 8 bits. Whole numbers do not round: the logits are held to the
-// bits of a reference in whole numbers of 64 bits, a bound of 0. What a plain implementation does: products
-// of bytes summed two and two in 16 bits, which saturate (255 × 127 twice is 64 770), and counts cut to what
-// a byte holds. How far 8 bits are from exact logits, on frames unlike all that ranges were found on, is told
-// as a limit.
+// The same frames through the same networks in 8 bits. Integers do not round: the logits must equal those of
+// a reference in 64-bit integers, a bound of 0. The naive implementation sums pairs of byte products in 16
+// bits, which saturate (255 × 127 twice is 64 770), and clamps counts to 0 … 255. The distance between 8-bit
+// and exact logits, on frames unlike the calibration images, is recorded as a limit.
 
 #include "../record.hpp"
 #include "trained_subject.hpp"
@@ -73,8 +72,8 @@ void check_frames(const std::string& name) {
         const auto status = fast.infer(tensor_view<const float, image>(counts.data()),
                                        std::span<float, Network::outputs>(out));
         if (std::abs(counts[0]) > 1e6f) { // beyond what words of 16 bits hold
-            hard_cases::tell("frames in 8 bits", title, static_cast<double>(plain[0]),
-                             status == frame_status::not_finite, "not_finite");
+            hard_cases::reported("frames in 8 bits", title, static_cast<double>(plain[0]),
+                                 status == frame_status::not_finite, "not_finite");
             continue;
         }
         CHECK(status == frame_status::ok);
@@ -89,21 +88,20 @@ void check_frames(const std::string& name) {
         const auto logits = support::bounded_outputs(description, parameters,
                                                      support::bounded_input(counts, trained.mean, 1));
         hard_cases::limit("frames in 8 bits", name + ", " + kind, largest_distance(plain, logits),
-                          largest_distance(out, logits),
-                          "largest distance from the exact logits, in parts of the largest of them");
+                          largest_distance(out, logits), "largest error of a logit ÷ largest logit");
     }
 
     for (const hard_cases::broken_value& broken : hard_cases::broken_values()) {
-        bool told = true;
+        bool all_reported = true;
         double plain = 0;
         for (const std::vector<float>& counts : hard_cases::broken_frames(image, broken.value)) {
             std::vector<float> out(Network::outputs);
-            told &= fast.infer(tensor_view<const float, image>(counts.data()),
-                               std::span<float, Network::outputs>(out)) == frame_status::not_finite;
+            all_reported &= fast.infer(tensor_view<const float, image>(counts.data()),
+                                       std::span<float, Network::outputs>(out)) == frame_status::not_finite;
             plain = static_cast<double>(plain_of(counts)[0]);
         }
-        hard_cases::tell("frames in 8 bits", name + ", " + broken.name + ", 8 bits", plain, told,
-                         "not_finite");
+        hard_cases::reported("frames in 8 bits", name + ", " + broken.name + ", 8 bits", plain, all_reported,
+                             "not_finite");
     }
 }
 

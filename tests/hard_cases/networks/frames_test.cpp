@@ -54,8 +54,8 @@ void check_frames(const std::string& name) {
                                        std::span<float, Network::outputs>(out));
         // Where a sum might leave the range of single precision, a deployed network says so.
         if (status == frame_status::not_finite && counts[0] == -1e30f)
-            return hard_cases::tell("frames", title + ", deployed", static_cast<double>(plain[0]), true,
-                                    "not_finite");
+            return hard_cases::reported("frames", title + ", deployed", static_cast<double>(plain[0]), true,
+                                        "not_finite");
         CHECK(status == frame_status::ok);
         hard_cases::hold("frames", title + ", deployed", hard_cases::unit::absolute,
                          outcomes_of(support::bounded_outputs(folded, parameters, in), plain, out));
@@ -66,21 +66,21 @@ void check_frames(const std::string& name) {
 
     // A plain ReLU, x > 0 ? x : 0, makes a zero of a NaN. 1e38 is more than sums can hold.
     for (const hard_cases::broken_value& broken : hard_cases::broken_values()) {
-        bool told = true, seen = true;
+        bool all_reported = true, seen = true;
         double plain = 0;
         for (const std::vector<float>& counts : hard_cases::broken_frames(image, broken.value)) {
             std::vector<float> out(Network::outputs);
-            told &= fast.infer(tensor_view<const float, image>(counts.data()),
-                               std::span<float, Network::outputs>(out)) == frame_status::not_finite;
+            all_reported &= fast.infer(tensor_view<const float, image>(counts.data()),
+                                       std::span<float, Network::outputs>(out)) == frame_status::not_finite;
             const std::vector<float> logits = trained.in_batch(counts);
             seen &= !std::all_of(logits.begin(), logits.end(), [](float x) { return std::isfinite(x); });
             plain = static_cast<double>(
                 support::plain_outputs(unfolded, parameters, subject::shifted(counts, trained.mean))[0]);
         }
         const std::string title = name + ", " + broken.name;
-        hard_cases::tell("frames", title + ", deployed", plain, told, "not_finite");
+        hard_cases::reported("frames", title + ", deployed", plain, all_reported, "not_finite");
         if (std::isnan(broken.value))
-            hard_cases::tell("frames", title + ", batch", plain, seen, "logits that are not finite");
+            hard_cases::reported("frames", title + ", batch", plain, seen, "non-finite logits");
     }
 
     // Denormal numbers go in as they are.

@@ -1,7 +1,7 @@
 #pragma once
 
-// Networks that hard frames are sent through: trained for a moment on frames that can be told apart, so that
-// weights, biases and running moments are those of a training, not of chance.
+// Networks for hard frames, trained briefly on distinguishable frames, so that weights, biases and running
+// moments come from training, not from initialisation.
 
 #include <tactnet/networks/network.hpp>
 #include <tactnet/training/initialise.hpp>

@@ -1,6 +1,6 @@
 // Numbers near the smallest normal one, 1.2e-38. A rounding below it loses 2^-150 at most, or 2^-126 where
-// the program has told its processor to flush denormal numbers to zero; both are in the bounds. What a
-// processor takes longer for them is measured, and told as a limit: it is the processor's.
+// the program has made its processor flush denormal numbers to zero; both are in the bounds. The extra time
+// that a processor takes for them is measured and recorded as a limit.
 
 #include "../record.hpp"
 
@@ -126,11 +126,11 @@ double fastest(Body&& body) {
 
 TEST_CASE("deployed: activations near the smallest normal number") {
     check_network("activations of 1e-38", 1, 1e-38f, false);
-    check_network("activations that fall to 1e-45", 1e-2f, 1e-38f, false);
+    check_network("activations that shrink to 1e-45", 1e-2f, 1e-38f, false);
     check_network("weights of 1e-38, frames of 1e38", 1e-20f, 1e15f, false);
     if (flush_to_zero::available) {
         check_network("activations of 1e-38, flush-to-zero", 1, 1e-38f, true);
-        check_network("activations that fall to 1e-45, flush-to-zero", 1e-2f, 1e-38f, true);
+        check_network("activations that shrink to 1e-45, flush-to-zero", 1e-2f, 1e-38f, true);
     }
 }
 
@@ -145,12 +145,12 @@ TEST_CASE("deployed: the time that denormal activations take") {
         });
     };
     const double usual = time_of(frame_of(1)), denormal = time_of(frame_of(1e-39f));
-    limit("underflow", "a frame of denormals takes … times as long", NAN, denormal / usual,
-          "time ÷ time of a usual frame");
+    limit("underflow", "time of a frame of denormals ÷ time of a normal frame", NAN, denormal / usual,
+          "denormal arithmetic is slow on some processors");
     if (flush_to_zero::available) {
         const flush_to_zero now;
-        limit("underflow", "the same with flush-to-zero", NAN, time_of(frame_of(1e-39f)) / usual,
-              "time ÷ time of a usual frame");
+        limit("underflow", "the same ratio with flush-to-zero", NAN, time_of(frame_of(1e-39f)) / usual,
+              "denormal arithmetic is slow on some processors");
     }
 }
 
@@ -188,8 +188,8 @@ TEST_CASE("adamw: gradients near the smallest normal number, and moments that fa
     // Times of a machine that does other things too: 3 times as long is no more than that, denormals cost 10
     // to 100.
     const double faded = time_of_step() / usual, faded_plain = time_of_plain() / usual_plain;
-    hold("underflow", "AdamW, the time of a step whose moments have faded ÷ time of a usual one",
-         unit::absolute, {1, faded_plain, faded, 2});
+    hold("underflow", "AdamW, time of a step with decayed moments ÷ time of a normal step", unit::absolute,
+         {1, faded_plain, faded, 2});
     CHECK(state.first[0] == 0);
     CHECK(state.second[0] == 0x1p-116f);
 }

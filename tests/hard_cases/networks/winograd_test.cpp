@@ -80,12 +80,12 @@ using large = network<shape{24, 24, 64}, conv2d<64, 3>>;
 } // namespace
 
 TEST_CASE("deployed: tiles of a convolution, of usual numbers and of hard ones") {
-    check_tiles<one>("usual numbers", hardness::usual);
+    check_tiles<one>("typical values", hardness::usual);
     check_tiles<one>("a signal of 1 on an offset of 1e4", hardness::offset);
-    check_tiles<one>("the same, filters that add up to nothing", hardness::cancelling);
+    check_tiles<one>("the same, filters that sum to zero", hardness::cancelling);
     check_tiles<one>("weights from 1e-6 to 1e6", hardness::wide);
-    check_tiles<large>("64 channels, usual numbers", hardness::usual);
-    check_tiles<large>("64 channels, the signal on an offset, filters that add up to nothing",
+    check_tiles<large>("64 channels, typical values", hardness::usual);
+    check_tiles<large>("64 channels, the signal on an offset, filters that sum to zero",
                        hardness::cancelling);
 }
 
@@ -96,9 +96,9 @@ TEST_CASE("deployed: consecutive layers by tiles, compared with direct sums") {
                  second = check_tiles<two>("2 convolutions", hardness::usual),
                  fourth = check_tiles<four>("4 convolutions", hardness::usual),
                  cancelling = check_tiles<one>("1 convolution, cancelling", hardness::cancelling);
-    const char* const why = "error of tiles ÷ error of direct sums";
-    hard_cases::limit("Winograd", "1 convolution beside direct sums", 1, first, why);
-    hard_cases::limit("Winograd", "2 convolutions beside direct sums", 1, second, why);
-    hard_cases::limit("Winograd", "4 convolutions beside direct sums", 1, fourth, why);
-    hard_cases::limit("Winograd", "filters that add up to nothing, beside direct sums", 1, cancelling, why);
+    const char* const why = "error of Winograd tiles ÷ error of direct sums";
+    hard_cases::limit("Winograd", "1 convolution, compared with direct sums", 1, first, why);
+    hard_cases::limit("Winograd", "2 convolutions, compared with direct sums", 1, second, why);
+    hard_cases::limit("Winograd", "4 convolutions, compared with direct sums", 1, fourth, why);
+    hard_cases::limit("Winograd", "filters that sum to zero, compared with direct sums", 1, cancelling, why);
 }

@@ -26,7 +26,7 @@ namespace {
 constexpr shape size{7, 13};
 using frame = support::frame<size>;
 
-/// One reading: voltages of the lines that hang free, by elimination with pivots in `Real`.
+/// One reading: voltages of the floating lines, by elimination with pivots in `Real`.
 template <class Real>
 double read_by_nodes(const frame& pressures, double grounding, std::size_t row, std::size_t column) {
     constexpr std::size_t lines = size.rows + size.columns;
@@ -80,7 +80,7 @@ void check_circuit(const std::string& name, const frame& pressures, double groun
             sum += static_cast<double>(pressures(i, j));
         best = std::max(best, sum);
     }
-    // What is told of such a network: it counts as grounded by 1e-9 of its best line.
+    // resistive_network documents that such a network counts as grounded by 1e-9 of its best line.
     const double ground = std::max(grounding, 1e-9 * best);
     const double lost = 4 * (size.rows + size.columns) * 0x1p-53 * best / ground;
     std::vector<outcome> all;
@@ -109,7 +109,7 @@ frame with(const std::vector<std::pair<std::size_t, float>>& rows,
 
 TEST_CASE("resistive_network: broken and shorted lines") {
     for (const double grounding : {0.0, 3e4}) {
-        const std::string tied = grounding > 0 ? ", lines grounded" : ", lines that hang free";
+        const std::string tied = grounding > 0 ? ", grounded lines" : ", floating lines";
         check_circuit("a row and a column broken" + tied, with({{2, 0.0f}}, {{5, 0.0f}}), grounding);
         check_circuit("all but one row broken" + tied,
                       with({{0, 0.0f}, {1, 0.0f}, {2, 0.0f}, {4, 0.0f}, {5, 0.0f}, {6, 0.0f}}, {}),

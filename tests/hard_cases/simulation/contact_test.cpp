@@ -166,7 +166,8 @@ void count_iterations(double thickness, double poisson) {
     count({}, pressing::to_force(20));
     limit("simulation",
           "ν " + text(poisson) + ", a layer of " + text(thickness) + (thickness == 1 ? " cell" : " cells"),
-          NAN, static_cast<double>(most), "steps to the contact of 28 × 50 cells, of 500; the most of six");
+          NAN, static_cast<double>(most),
+          "solver iterations for 28 × 50 cells: most of six contacts, limit 500");
 }
 
 } // namespace
@@ -227,8 +228,8 @@ TEST_CASE("elastic_half_space: all cells in contact, forces of 1e-12 and 1e9 N")
 
 namespace {
 
-/// As contacts are written first, in single precision: heights are told from the array, and the level of the
-/// object is halved into place.
+/// The naive contact in single precision: heights are measured from the array, and the level of the object is
+/// found by bisection.
 float plain_force(const std::vector<double>& heights, float force, float stiffness) {
     const auto force_at = [&](float level) {
         float sum = 0;
@@ -256,9 +257,8 @@ void check_springs(const std::string& name, double lift, double force) {
         sum += static_cast<double>(pressure) * area;
     const double plain = static_cast<double>(plain_force(doubles(ball), static_cast<float>(force),
                                                          static_cast<float>(foam.modulus / foam.thickness)));
-    hold("simulation", name + ": force that is told", unit::relative,
-         {force, plain, found.report.force, 1e-12});
-    hold("simulation", name + ": force of all pressures", unit::relative, {force, plain, sum, u + 1e-12});
+    hold("simulation", name + ": reported force", unit::relative, {force, plain, found.report.force, 1e-12});
+    hold("simulation", name + ": sum of the pressures", unit::relative, {force, plain, sum, u + 1e-12});
 }
 
 } // namespace
@@ -266,8 +266,8 @@ void check_springs(const std::string& name, double lift, double force) {
 TEST_CASE("winkler: forces of 1e-12 and 1e9 N, near and far from the origin of heights") {
     check_springs("springs, a ball, 1e-12 N", 0, 1e-12);
     check_springs("springs, a ball, 1e9 N", 0, 1e9);
-    check_springs("springs, a ball that hangs 0.25 m high, 1e-12 N", 0.25, 1e-12);
-    check_springs("springs, a ball that hangs 0.25 m high, 1 N", 0.25, 1);
+    check_springs("springs, a ball lifted by 0.25 m, 1e-12 N", 0.25, 1e-12);
+    check_springs("springs, a ball lifted by 0.25 m, 1 N", 0.25, 1);
 }
 
 namespace {
@@ -301,7 +301,7 @@ void check_none(const std::string& name, const Model& model) {
     double worst = std::abs(found.report.force) + std::abs(found.report.depth);
     for (const float pressure : found.pressures)
         worst = pressure == 0 ? worst : NAN;
-    hold("simulation", "no force on " + name + ": pressures, force and depth (plain: 0 ÷ 0)", unit::absolute,
+    hold("simulation", "no force on " + name + ": pressures, force and depth (naive: 0 ÷ 0)", unit::absolute,
          {0, static_cast<double>(nothing / nothing), worst, 0});
 }
 
@@ -330,13 +330,13 @@ TEST_CASE("compute_heights: objects thinner than a tactel") {
         return support::press(elastic_half_space{}, of_cell, heights, pressing::to_force(1)).report;
     };
     const auto between = found.operator()<shape{4, 6}>(2e-3, 0);
-    hard_cases::tell("simulation", "a wire of 0.2 mm between two rows of 2 mm: force", 0,
-                     !between.converged && between.force == 0, "report.converged is false");
+    hard_cases::reported("simulation", "a wire of 0.2 mm between two rows of 2 mm: force", 0,
+                         !between.converged && between.force == 0, "report.converged is false");
     const auto above = found.operator()<shape{4, 6}>(2e-3, 1e-3),
                fine = found.operator()<shape{20, 30}>(4e-4, 2e-4);
     CHECK(above.converged);
     CHECK(fine.converged);
     hold("simulation", "a wire of 0.2 mm above a row: force", unit::relative, {1, 1, above.force, 1e-14});
-    hold("simulation", "a wire of 0.2 mm, 5 × 5 cells a tactel: force", unit::relative,
+    hold("simulation", "a wire of 0.2 mm, 5 × 5 cells per tactel: force", unit::relative,
          {1, 0, fine.force, 1e-13});
 }
