@@ -1,9 +1,10 @@
-# Puts the results of `tactnet study` into the documentation: its tables into docs/study, its picture into docs/pictures, its
-# tables between the comments of docs/choosing.md and docs/results.md that name them. README.md quotes some figures: they are
-# compared.
+# Puts the results of `tactnet study` into the documentation: its tables into docs/study, its picture into docs/pictures, and the
+# tables between the comments of docs/choosing.md and docs/results.md that name them. Tables that are not in study.md are rows and
+# columns of its table of all methods. README.md quotes some figures: they are compared.
 #
 #   cmake -DRESULTS=folder -DARCHIVE=file -P docs/study/tables.cmake   takes over a folder of results; all rows, trainings
 #                                   and timings go into the archive, such as benchmarks/results/zen5/2026-11-24/study.tar.xz
+#   cmake -P docs/study/tables.cmake                                   writes the tables into the pages again
 #   cmake -DCHECK=ON -P docs/study/tables.cmake                        fails if pages and docs/study differ
 #   cmake -DCHECK=ON -DROOT=folder -P …                                the same for another copy of the project
 
@@ -12,7 +13,7 @@ if(NOT ROOT)
     get_filename_component(ROOT "${CMAKE_CURRENT_LIST_DIR}/../.." ABSOLUTE)
 endif()
 set(kept "${ROOT}/docs/study")
-if(NOT CHECK)
+if(RESULTS OR ARCHIVE)
     if(NOT EXISTS "${RESULTS}/study.md" OR NOT ARCHIVE)
         message(FATAL_ERROR "tables.cmake: expected RESULTS, a folder in which tactnet study wrote study.md, and ARCHIVE, "
                             "a file to write, found '${RESULTS}' and '${ARCHIVE}'.")
@@ -31,7 +32,7 @@ if(NOT CHECK)
     execute_process(COMMAND "${ROOT}/scripts/pictures" accuracy_and_time COMMAND_ERROR_IS_FATAL ANY)
 endif()
 
-# What stands in a text between the comments `<!-- study NAME -->` and `<!-- study NAME ends -->`, both included.
+# The text between the comments `<!-- study NAME -->` and `<!-- study NAME ends -->`, both included.
 function(block_of file name result)
     file(READ "${file}" text)
     set(begin "<!-- study ${name} -->")
@@ -39,7 +40,7 @@ function(block_of file name result)
     string(FIND "${text}" "${begin}" first)
     string(FIND "${text}" "${end}" last)
     if(first LESS 0 OR last LESS first)
-        message(FATAL_ERROR "tables.cmake: ${file}: expected '${begin}' and '${end}' behind it, found only one of them, or none.")
+        message(FATAL_ERROR "tables.cmake: ${file}: expected '${begin}' and after it '${end}', found only one of them, or none.")
     endif()
     string(LENGTH "${end}" length)
     math(EXPR length "${last} + ${length} - ${first}")
@@ -47,17 +48,86 @@ function(block_of file name result)
     set(${result} "${block}" PARENT_SCOPE)
 endfunction()
 
-foreach(place IN ITEMS docs/choosing.md:front docs/results.md:methods docs/results.md:against docs/results.md:memory)
+# Chosen columns of the rows of the table of all methods for which `select(cells keep)` sets `keep`. The columns, from 1: method, tactels,
+# recipe, random splits, the same with reflections averaged, blocked splits, paper, µs, p99, ms of the paper, parameters, multiply-adds,
+# training.
+function(rows_of select columns result)
+    block_of("${kept}/study.md" methods text)
+    string(REPLACE "\n" ";" lines "${text}")
+    set(rows "")
+    foreach(line IN LISTS lines)
+        if(NOT line MATCHES "^\\| [a-z]" OR line MATCHES "^\\| method ")
+            continue()
+        endif()
+        string(REPLACE "|" ";" cells "${line}")
+        set(keep FALSE)
+        cmake_language(CALL ${select} "${cells}" keep)
+        if(keep)
+            set(row "|")
+            foreach(column IN LISTS columns)
+                list(GET cells ${column} cell)
+                string(APPEND row "${cell}|")
+            endforeach()
+            string(APPEND rows "${row}\n")
+        endif()
+    endforeach()
+    if(rows STREQUAL "")
+        message(FATAL_ERROR "tables.cmake: ${kept}/study.md: expected rows for ${select}, found no row.")
+    endif()
+    set(${result} "${rows}" PARENT_SCOPE)
+endfunction()
+function(is_wanted cells result)
+    list(SUBLIST cells 1 3 key)
+    string(COMPARE EQUAL "${key}" "${wanted}" equal)
+    set(${result} ${equal} PARENT_SCOPE)
+endfunction()
+function(is_compared cells result)
+    list(GET cells 4 random)
+    list(GET cells 7 paper)
+    set(${result} FALSE PARENT_SCOPE)
+    if(NOT random STREQUAL " " AND NOT paper STREQUAL " ")
+        set(${result} TRUE PARENT_SCOPE)
+    endif()
+endfunction()
+
+# The table of a name, between its comments.
+function(table name result)
+    if(name STREQUAL "best")
+        set(head "| method | tactels | recipe | random splits, % | blocked splits, % | µs per frame | parameters |")
+        set(rows "")
+        foreach(
+            row IN
+            ITEMS "tactnet4 in 8 bits | 7 × 13 | default" "tactnet6-economical | 14 × 25 | default"
+                  "tactnet6 | 28 × 50 | default" "tactnet6 | 28 × 50 | thorough"
+                  "squeezenet-pooled-svm | 28 × 50 | default"
+        )
+            string(REPLACE "|" ";" wanted " ${row} ")
+            rows_of(is_wanted "1;2;3;4;6;8;11" found)
+            string(APPEND rows "${found}")
+        endforeach()
+    elseif(name STREQUAL "compared")
+        set(head "| method | tactels | recipe | paper, % | tactnet, % |")
+        rows_of(is_compared "1;2;3;7;4" rows)
+    else()
+        block_of("${kept}/study.md" "${name}" block)
+        set(${result} "${block}" PARENT_SCOPE)
+        return()
+    endif()
+    string(REGEX REPLACE "[^|]+" " --- " rule "${head}")
+    set(${result} "<!-- study ${name} -->\n${head}\n${rule}\n${rows}<!-- study ${name} ends -->" PARENT_SCOPE)
+endfunction()
+
+foreach(place IN ITEMS docs/choosing.md:front docs/results.md:best docs/results.md:compared docs/results.md:memory)
     string(REPLACE ":" ";" place "${place}")
     list(GET place 0 page)
     list(GET place 1 name)
-    block_of("${kept}/study.md" "${name}" new)
+    table("${name}" new)
     block_of("${ROOT}/${page}" "${name}" old)
     if(old STREQUAL new)
         continue()
     endif()
     if(CHECK)
-        message(FATAL_ERROR "tables.cmake: ${page}: the table '${name}' is not that of docs/study/study.md; "
+        message(FATAL_ERROR "tables.cmake: ${page}: the table '${name}' differs from docs/study/study.md; "
                             "run docs/study/tables.cmake.")
     endif()
     file(READ "${ROOT}/${page}" text)
