@@ -104,7 +104,7 @@ int recommend(const recommend_options& o) {
     });
     const studied_network& best = all.front();
     print(fmt::format(
-        "{} {}x{}{}, {} recipe: {:.2f} ± {:.2f} % over {} {} splits, {:.2f} µs a frame (p99 {:.2f}), "
+        "{} {}x{}{}, {} recipe: {:.2f} ± {:.2f} % over {} {} splits, {:.2f} µs per frame (p99 {:.2f}), "
         "{} bytes of weights\n{}\n",
         best.method, best.rows, best.columns, best.bits == 8 ? " in 8 bits" : "", best.recipe,
         100 * best.accuracy, 100 * best.deviation, best.splits, o.split, best.microseconds, best.p99,

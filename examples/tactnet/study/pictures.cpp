@@ -51,7 +51,7 @@ std::string words_of(const study_row& row) {
     for (const auto& a : row.accuracies)
         text += fmt::format("\\n{:.2f} ± {:.2f} % over {} {} splits", 100 * a.test.mean,
                             100 * a.test.deviation, a.splits, name_of(a.rule));
-    return text + (row.latency ? fmt::format("\\n{:.1f} µs a frame", row.latency->median) : "");
+    return text + (row.latency ? fmt::format("\\n{:.1f} µs per frame", row.latency->median) : "");
 }
 
 /// Accuracy against microseconds: each method, the best for the time, other libraries, and the paper.
@@ -77,7 +77,7 @@ study_picture costs_picture(const std::vector<study_row>& rows, const std::vecto
             continue;
         by_others = true;
         points.push_back(point("peers", peer.microseconds, 100 * best, 0,
-                               fmt::format("{} {}x{} by {}\\n{:.1f} µs a frame", method_title(*same),
+                               fmt::format("{} {}x{} by {}\\n{:.1f} µs per frame", method_title(*same),
                                            peer.rows, peer.columns, peer.peer, peer.microseconds)));
     }
     for (const published_result& p : published_results)

@@ -14,7 +14,7 @@
 #include <map>
 #include <string>
 
-/// In microseconds a frame, on one core.
+/// In microseconds per frame, on one core.
 struct frame_latency {
     double median = 0;   ///< of single frames, one after the other
     double p99 = 0;      ///< 99 of 100 take no longer
