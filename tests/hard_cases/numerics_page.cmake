@@ -220,7 +220,7 @@ string(APPEND contents "| [Limits](numerics/limits.md) | ${limit_count} |\n")
 
 # The ten most telling cases: topic, case, what goes wrong.
 list(GET sets 0 first_set)
-string(CONCAT text "## Ten telling cases\n\nErrors are of the column `${first_set}`, and in the unit of the bound.\n\n"
+string(CONCAT text "## Ten examples\n\nErrors are of the column `${first_set}`. Errors and bounds have the same unit.\n\n"
          "| case | why it is hard | exact | naive | tactnet | its error | bound |\n|---|---|---|---|---|---|---|\n")
 macro(telling topic case why)
     table_key(key "${topic}" "${case}")
