@@ -162,5 +162,5 @@ expect_in_readme(
 expect_in_readme("${study}" "\n[|] tactnet4 in 8 bits [|] 7 × 13 [|] ([0-9.]+) " "the smallest network <1> µs")
 expect_in_readme(
     "${eight_bit}" "Cortex-M7, `-Os` [|] flash, kB [|] [0-9.]+ [|] ([0-9.]+) [|]\n[|] [|] RAM[^|]*[|] [0-9.]+ [|] ([0-9.]+) [|]"
-    "<1> kB of flash and <2> kB of RAM on a Cortex-M7"
+    "<1> kB of flash and <2> kB of RAM on an emulated Cortex-M7"
 )
