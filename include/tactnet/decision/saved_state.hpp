@@ -1,10 +1,10 @@
 #pragma once
 
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/detail/xxh64.hpp>
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -76,7 +76,7 @@ public:
     }
     template <class Number>
     void put(Number number) noexcept {
-        const auto bits = std::bit_cast<bits_of_number<Number>>(number);
+        const auto bits = bits_as<bits_of_number<Number>>(number);
         for (std::size_t i = 0; i < sizeof(Number); ++i)
             bytes_[at_++] = static_cast<std::byte>(static_cast<std::uint64_t>(bits) >> 8 * i & 0xFF);
     }
@@ -117,7 +117,7 @@ public:
         std::uint64_t bits = 0;
         for (std::size_t i = 0; i < sizeof(Number); ++i)
             bits |= std::to_integer<std::uint64_t>(bytes_[at_++]) << 8 * i;
-        number = std::bit_cast<Number>(static_cast<bits_of_number<Number>>(bits));
+        number = bits_as<Number>(static_cast<bits_of_number<Number>>(bits));
     }
 
 private:
