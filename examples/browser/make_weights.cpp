@@ -2,8 +2,9 @@
 //
 //     tactnet_browser_weights WEIGHTS [EPOCHS]
 //
-// EPOCHS, a percentage of those of the default recipe, is 10. The same seed gives the same bytes on any number
-// of threads, for one instruction set. It prints how many touches of a further seed each network recognises.
+// EPOCHS, a percentage of those of the default recipe, is 10. The same seed gives the same bytes on any
+// number of threads, for one instruction set. It prints how many touches of a further seed each network
+// recognises.
 
 #include "networks.hpp"
 #include "weights.hpp"
@@ -30,7 +31,7 @@ namespace {
 
 using namespace tactnet;
 
-constexpr std::uint64_t training_seed = 1, test_seed = 3; // touches on the page have seed 2
+constexpr std::uint64_t training_seed = 1, test_seed = 3;          // touches on the page have seed 2
 constexpr std::uint32_t training_touches = 400, test_touches = 50; // per class
 
 struct touches {
@@ -84,19 +85,20 @@ void clear_unused_weights(float* folded) {
     }
 }
 
-/// Rounds the weights of large layers to every fourth step, so that they compress: most of the page is made of
-/// them.
+/// Rounds the weights of large layers to every fourth step, of the largest to every eighth, so that they
+/// compress: most of the page is made of them.
 template <class Network>
 void coarsen_large_layers(browser::stored_network<Network>& network) {
-    constexpr std::size_t large = 10'000;
-    constexpr float coarse = 4;
-    for (const folded_step& step : folded_layout_of<typename browser::stored_network<Network>::bytes_view>().steps) {
+    constexpr std::size_t large = 4'000, largest = 30'000;
+    constexpr float most = 120; // of 127
+    for (const folded_step& step :
+         folded_layout_of<typename browser::stored_network<Network>::bytes_view>().steps) {
         const auto &weights = *step.find("weight"), &scales = *step.find("scale");
+        const float coarse = weights.size > largest ? 8 : 4;
         for (std::size_t i = 0; weights.size > large && i < weights.size; ++i) {
             const float scale = network.in_bytes[scales.offset + i / (weights.size / scales.size)];
             float& weight = network.in_bytes[weights.offset + i];
-            const float steps = coarse * std::nearbyint(weight / scale / coarse);
-            weight = std::clamp(steps, -124.0f, 124.0f) * scale;
+            weight = std::clamp(coarse * std::nearbyint(weight / scale / coarse), -most, most) * scale;
         }
     }
 }
@@ -148,7 +150,8 @@ void train(std::string_view family, std::size_t percent, const touches& learnt, 
     std::vector<std::uint8_t> calibration;
     for (std::size_t i = 0; i < 1024; ++i) {
         const std::size_t image = split.training[i * 4099 % split.training.size()];
-        calibration.insert(calibration.end(), pixels.begin() + static_cast<std::ptrdiff_t>(image * input.size()),
+        calibration.insert(calibration.end(),
+                           pixels.begin() + static_cast<std::ptrdiff_t>(image * input.size()),
                            pixels.begin() + static_cast<std::ptrdiff_t>((image + 1) * input.size()));
     }
     const eight_bit_calibration<Network> found(training.best(), mean, normalise.scale, calibration);
@@ -192,7 +195,8 @@ int main(int count, char** arguments) {
         return 2;
     }
     try {
-        const touches learnt = simulate(training_seed, training_touches), unseen = simulate(test_seed, test_touches);
+        const touches learnt = simulate(training_seed, training_touches),
+                      unseen = simulate(test_seed, test_touches);
         browser::detail::byte_writer to;
         std::puts("network,rows,columns,as trained %,stored weights %,8 bits %");
         std::apply(

@@ -1,5 +1,5 @@
-// The C++ of the page: functions for worker.js over one simulated array and the networks. Pointers are offsets
-// into the memory that both share.
+// The C++ of the page: functions for worker.js over one simulated array and the networks. Pointers are
+// offsets into the memory that both share.
 
 #include "recognisers.hpp"
 #include "simulated_array.hpp"
@@ -46,8 +46,8 @@ struct page_state {
     std::array<fault, array_shape.size()> faults{};
     std::uint32_t frames = 0; ///< since the page was loaded
 
-    sim::touch drawn{};  ///< the object as it was drawn
-    sim::point grip{};   ///< where the drawn object is held, from its origin
+    sim::touch drawn{};      ///< the object as it was drawn
+    sim::point grip{};       ///< where the drawn object is held, from its origin
     std::uint32_t touch = 0; ///< its number
     sim::touch held{};       ///< the object as it was held last
 
@@ -100,7 +100,8 @@ void take(sim::touch&& some) {
     double sum = 0;
     for (std::size_t row = 0; row < array_shape.rows; ++row)
         for (std::size_t column = 0; column < array_shape.columns; ++column) {
-            const auto pressure = static_cast<double>(p.array.surface().data()[row * array_shape.columns + column]);
+            const auto pressure =
+                static_cast<double>(p.array.surface().data()[row * array_shape.columns + column]);
             middle = middle + pressure * sim::point{static_cast<double>(column), static_cast<double>(row)};
             sum += pressure;
         }
@@ -121,15 +122,33 @@ void write_difference(bool other_is_without) {
 } // namespace
 
 // Memory that JavaScript reads and writes.
-PAGE_FUNCTION(sound_counts) const std::uint8_t* sound_counts() { return page().sound.data(); }
-PAGE_FUNCTION(raw_counts) std::uint8_t* raw_counts() { return page().raw.data(); }
-PAGE_FUNCTION(clean_counts) const std::uint8_t* clean_counts() { return page().clean.data(); }
-PAGE_FUNCTION(difference) const std::int16_t* difference() { return page().difference.data(); }
-PAGE_FUNCTION(logits) const float* logits() { return page().logits.data(); }
-PAGE_FUNCTION(probabilities) const float* probabilities() { return page().probabilities.data(); }
-PAGE_FUNCTION(numbers) const double* numbers() { return page().numbers.data(); }
-PAGE_FUNCTION(drawing) float* drawing() { return page().drawing.data(); }
-PAGE_FUNCTION(faults) std::uint8_t* faults() { return reinterpret_cast<std::uint8_t*>(page().faults.data()); }
+PAGE_FUNCTION(sound_counts) const std::uint8_t* sound_counts() {
+    return page().sound.data();
+}
+PAGE_FUNCTION(raw_counts) std::uint8_t* raw_counts() {
+    return page().raw.data();
+}
+PAGE_FUNCTION(clean_counts) const std::uint8_t* clean_counts() {
+    return page().clean.data();
+}
+PAGE_FUNCTION(difference) const std::int16_t* difference() {
+    return page().difference.data();
+}
+PAGE_FUNCTION(logits) const float* logits() {
+    return page().logits.data();
+}
+PAGE_FUNCTION(probabilities) const float* probabilities() {
+    return page().probabilities.data();
+}
+PAGE_FUNCTION(numbers) const double* numbers() {
+    return page().numbers.data();
+}
+PAGE_FUNCTION(drawing) float* drawing() {
+    return page().drawing.data();
+}
+PAGE_FUNCTION(faults) std::uint8_t* faults() {
+    return reinterpret_cast<std::uint8_t*>(page().faults.data());
+}
 PAGE_FUNCTION(weights) std::uint8_t* weights(std::size_t size) {
     page().weights.resize(size);
     return page().weights.data();
@@ -141,10 +160,18 @@ PAGE_FUNCTION(load) bool load() {
     learn_air();
     return fit;
 }
-PAGE_FUNCTION(effect_count) std::size_t effect_count() { return simulated_array<array_shape>::effect_count; }
-PAGE_FUNCTION(set_effect) void set_effect(std::size_t effect, bool on) { page().array.set(effect, on); }
-PAGE_FUNCTION(set_layer) void set_layer(bool on) { page().array.set_layer(on); }
-PAGE_FUNCTION(learn) void learn() { learn_air(); }
+PAGE_FUNCTION(effect_count) std::size_t effect_count() {
+    return simulated_array<array_shape>::effect_count;
+}
+PAGE_FUNCTION(set_effect) void set_effect(std::size_t effect, bool on) {
+    page().array.set(effect, on);
+}
+PAGE_FUNCTION(set_layer) void set_layer(bool on) {
+    page().array.set_layer(on);
+}
+PAGE_FUNCTION(learn) void learn() {
+    learn_air();
+}
 
 /// Takes touch `number` of a class. numbers: column and row where it was drawn, from the middle; newtons.
 PAGE_FUNCTION(take_object) void take_object(std::size_t label, std::uint32_t number) {
@@ -163,7 +190,8 @@ PAGE_FUNCTION(take_drawing) void take_drawing() {
 /// Simulates a frame: the object held at a place, turned, pressed. Without force nothing touches the array.
 /// numbers: pressed tactels, largest count, faulty tactels that were found, whether something touches,
 /// newtons, millimetres of depth.
-PAGE_FUNCTION(simulate) void simulate(double column, double row, double angle, double newtons, double seconds) {
+PAGE_FUNCTION(simulate)
+void simulate(double column, double row, double angle, double newtons, double seconds) {
     page_state& p = page();
     ++p.frames;
     p.held = p.drawn;
@@ -233,8 +261,8 @@ PAGE_FUNCTION(infer) bool infer(std::size_t network, bool in_8_bits) {
     return finite;
 }
 
-/// For the tests: how many convolutions a network has. numbers: rows and columns of the Winograd tiles of each, 0
-/// by taps.
+/// For the tests: how many convolutions a network has. numbers: rows and columns of the Winograd tiles of
+/// each, 0 by taps.
 PAGE_FUNCTION(tiles) std::size_t tiles(std::size_t network) {
     std::size_t count = 0;
     page().networks.visit(network, [&]<class Network>(const both_formats<Network>&) {

@@ -18,6 +18,7 @@ function picture(canvas, values, rows, columns, colour) {
   context.putImageData(image, 0, 0);
 }
 const countColour = (count) => COLOURS[count];
+const faintColour = (count) => COLOURS[Math.round(255 * (count / 255) ** .6)]; // so that a hand shows in a small picture
 const isDark = () => (document.documentElement.dataset.theme ?? (matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light')) === 'dark';
 // Blue for fewer counts, orange for more; the paper in between.
 const differenceColour = (difference) => {
@@ -80,7 +81,7 @@ async function start() {
     requestAnimationFrame(tick);
     const { pictures } = await ask('thumbnails', SHOWN);
     faultsChanged = true;
-    pictures.forEach((counts, i) => picture($(`object-${i}`), counts, ROWS, COLUMNS, countColour));
+    pictures.forEach((counts, i) => picture($(`object-${i}`), counts, ROWS, COLUMNS, faintColour));
   } catch (error) {
     say(`The simulation could not start: ${error.message}.`);
   }
@@ -129,7 +130,7 @@ async function tick(now) {
       sceneMoves = true;
       showForce();
     }
-    show(latest);
+    show(latest, message);
   } catch (error) {
     say(`The simulation stopped: ${error.message}. Loading the page again starts it anew.`);
     worker.terminate();
@@ -183,16 +184,17 @@ function drawArray(answer) {
 const best = (probabilities) => { let index = 0; probabilities.forEach((p, i) => { if (p > probabilities[index]) index = i; }); return { name: OBJECTS[index], probability: probabilities[index] }; };
 const percent = (p) => `${p > .995 ? '> 99' : Math.round(100 * p)} %`;
 
-function show(answer) {
+// `asked` is what the worker was asked: by now, the state may be another.
+function show(answer, asked) {
   drawArray(answer);
-  const size = NETWORKS[state.network], answerBox = document.querySelector('.answer');
+  const { size } = asked, answerBox = document.querySelector('.answer');
   picture($('seen'), answer.seen, size.rows, size.columns, countColour);
   const found = best(answer.probabilities), touching = answer.touching && answer.area > 0;
-  const truth = state.strokes.length ? null : OBJECTS[state.object];
+  const truth = asked.sketch ? null : OBJECTS[asked.object];
   answerBox.classList.toggle('unsure', !touching || found.probability < .5);
   $('label').textContent = touching ? found.name : 'nothing yet';
   $('probability').textContent = touching ? percent(found.probability) : '';
-  $('verdict').textContent = !touching ? (answer.newtons > 0 ? 'hardly a touch' : 'nothing touches the array') : truth === null ? 'the nearest of 22 objects' : found.name === truth ? 'probable, and right' : `probable, but it is ${/^[aeiou]/.test(truth) ? 'an' : 'a'} ${truth}`;
+  $('verdict').textContent = !touching ? (answer.newtons > 0 ? 'hardly a touch' : 'nothing touches the array') : truth === null ? 'the nearest of 22 objects' : found.name === truth ? 'probable, and right' : `probable, but this is: ${truth}`;
   const ranked = [...answer.probabilities].map((p, i) => [p, i]).sort((a, b) => b[0] - a[0]).slice(0, bars.length);
   ranked.forEach(([p, i], rank) => {
     const [name, bar, share] = bars[rank].children;
@@ -206,9 +208,9 @@ function show(answer) {
     $('without-health').textContent = `${alone.name} ${percent(alone.probability)}`;
     $('with-health').textContent = state.health ? `${found.name} ${percent(found.probability)}` : 'switched off';
   }
-  $('fault-text').textContent = broken ? `${broken} ${broken === 1 ? 'tactel is' : 'tactels are'} broken; ${state.health ? `${answer.found} found so far and filled in from their neighbours.` : 'the network sees what they read.'}` : 'The sensor is whole.';
-  const time = answer.costs.network[`${state.network}/${state.bits}`];
-  if (time) $('time').textContent = time < 10 ? time.toFixed(1) : Math.round(time), drawPlot(time);
+  $('fault-text').textContent = broken ? `${broken} ${broken === 1 ? 'tactel is' : 'tactels are'} broken; ${state.health ? `${answer.found === 0 ? 'none' : answer.found === broken ? 'all' : answer.found} found and filled in from their neighbours.${answer.found < broken && answer.newtons > 0 ? ' Move or lift the object, and it finds the rest.' : ''}` : 'the network sees what they read.'}` : 'The sensor is whole.';
+  const time = answer.costs.network[`${asked.network}/${asked.bits}`];
+  if (time && asked.network === state.network && asked.bits === state.bits) $('time').textContent = time < 10 ? time.toFixed(1) : Math.round(time), drawPlot(time);
   answer.differences?.forEach((difference, i) => { if (difference) picture($(`difference-${i}`), difference, ROWS, COLUMNS, differenceColour); });
   answer.costs.effects.forEach((cost, i) => { if (cost !== null && cost !== undefined) $(`cost-${i}`).textContent = microsecondText(cost); });
   if (answer.costs.layer) $(`cost-${EFFECTS.length}`).textContent = microsecondText(answer.costs.layer);
@@ -232,7 +234,7 @@ function speak(text) { // an answer that has settled for a second; not each fram
 const STUDY = /* study */[];
 function drawPlot(measured) {
   const chosen = NETWORKS[state.network], plot = $('plot');
-  const left = 40, right = 408, top = 12, bottom = 256, x = (time) => left + (right - left) * Math.log(time / .3) / Math.log(100 / .3), y = (accuracy) => bottom - (bottom - top) * (accuracy - 92) / 7;
+  const left = 40, right = 408, top = 12, bottom = 256, x = (time) => left + (right - left) * Math.log(time / .3) / Math.log(200 / .3), y = (accuracy) => bottom - (bottom - top) * (accuracy - 92) / 7;
   const colour = { 'TactNet-4': 'var(--less)', 'TactNet-6': 'var(--accent)', economical: 'var(--good)' };
   const is = (point) => point.rows === chosen.rows && point.columns === chosen.columns && (point.family === state.family || point.family === chosen.family);
   const here = STUDY.find((point) => is(point) && point.bits === state.bits) ?? STUDY.find(is);
@@ -240,7 +242,7 @@ function drawPlot(measured) {
   if (plot.dataset.key === key) return;
   plot.dataset.key = key;
   let drawing = '';
-  for (const time of [.5, 1, 2, 5, 10, 20, 50, 100]) drawing += `<line class="axis" x1="${x(time)}" x2="${x(time)}" y1="${top}" y2="${bottom}"/><text x="${x(time)}" y="${bottom + 15}" text-anchor="middle">${time}</text>`;
+  for (const time of [.5, 1, 2, 5, 10, 20, 50, 100, 200]) drawing += `<line class="axis" x1="${x(time)}" x2="${x(time)}" y1="${top}" y2="${bottom}"/><text x="${x(time)}" y="${bottom + 15}" text-anchor="middle">${time}</text>`;
   for (const accuracy of [92, 94, 96, 98]) drawing += `<line class="axis" x1="${left}" x2="${right}" y1="${y(accuracy)}" y2="${y(accuracy)}"/><text x="${left - 6}" y="${y(accuracy) + 4}" text-anchor="end">${accuracy}</text>`;
   drawing += `<text x="${right}" y="${bottom + 31}" text-anchor="end">µs per frame</text><text x="${left - 34}" y="${bottom + 31}">% right on real touches</text>`;
   for (const point of STUDY) drawing += `<circle cx="${x(point.time)}" cy="${y(point.accuracy)}" r="4.5" fill="${point.bits === 8 ? 'var(--card)' : colour[point.family]}" stroke="${colour[point.family]}" stroke-width="1.6"/>`;

@@ -1,13 +1,15 @@
-// A network as a header in a web page, to copy: everything that a page of one's own needs. recogniser.hpp was written
-// by `tactnet export`, or as in examples/embedded/write_header.cpp.
+// A network as a header in a web page, to copy: everything that a page of one's own needs. recogniser.hpp was
+// written by `tactnet export`, or as in examples/embedded/write_header.cpp.
 //
-//     em++ -std=c++20 -O2 -msimd128 -fno-exceptions -fno-rtti -I tactnet/include -I xsimd/include recogniser.cpp \
+//     em++ -std=c++20 -O2 -msimd128 -fno-exceptions -fno-rtti -I tactnet/include -I xsimd/include
+//     recogniser.cpp \
 //         --no-entry -sSTANDALONE_WASM -o recogniser.wasm
 //
 //     const { instance } = await WebAssembly.instantiateStreaming(fetch('recogniser.wasm'));
 //     const { memory, counts, classify, probability } = instance.exports;
 //     new Uint8Array(memory.buffer, counts(), rows * columns).set(frame); // row by row
-//     console.log(classify(), probability());                            // the number of the class, −1 for none
+//     console.log(classify(), probability());                            // the number of the class, −1 for
+//     none
 
 #include "recogniser.hpp"
 

@@ -79,11 +79,9 @@ public:
     /// Calls visit(network) with the network at a place in the list.
     template <class Visit>
     void visit(std::size_t place, const Visit& visit) {
-        std::apply(
-            [&, i = std::size_t{0}](auto&... network) mutable {
-                ((i++ == place ? visit(network) : void()), ...);
-            },
-            networks_);
+        std::apply([&, i = std::size_t{0}](
+                       auto&... network) mutable { ((i++ == place ? visit(network) : void()), ...); },
+                   networks_);
     }
 
 private:

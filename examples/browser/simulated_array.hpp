@@ -128,7 +128,8 @@ public:
 private:
     static sim::mounting mounted(std::uint64_t unit) { return {sim::paper_array{}.pitch, {unit}}; }
     template <class... Effects>
-    static std::tuple<bound_of<Effects>...> bind(std::uint64_t unit, const switched<Effects>&... listed_effect) {
+    static std::tuple<bound_of<Effects>...> bind(std::uint64_t unit,
+                                                 const switched<Effects>&... listed_effect) {
         return {bound_of<Effects>(listed_effect.effect, mounted(unit))...};
     }
     template <class Tuple, class Body, std::size_t... Index>
@@ -147,7 +148,8 @@ private:
     }
     /// Applies the effects before `end` that are switched on.
     template <class Tuple>
-    void run(Tuple& effects, pressures& signal, const sim::moment& now, std::uint32_t touch, std::size_t end) {
+    void run(Tuple& effects, pressures& signal, const sim::moment& now, std::uint32_t touch,
+             std::size_t end) {
         for_each(
             effects,
             [&]<class Bound>(std::size_t i, Bound& bound) {

@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-// The weights of a network on a page, where every byte is loaded over a network: what deployed<net, eight_bit>
-// folds, with one byte per weight. Single precision computes with the same weights, so that they are stored
-// once.
+// The weights of a network on a page, where every byte is loaded over a network: what deployed<net,
+// eight_bit> folds, with one byte per weight. Single precision computes with the same weights, so that they
+// are stored once.
 
 namespace browser {
 
@@ -107,10 +107,14 @@ void move_network(stored_network<Network>& network, Bytes& bytes) {
         for (const auto& array : step.arrays)
             for (std::size_t i = 0; array.kind != tactnet::folded_kind::weights && i < array.size; ++i)
                 bytes.move(network.in_bytes[array.offset + i]);
+        // Tap by tap: those that meet nothing but padding are zeros in one piece.
         const auto &weights = *step.find("weight"), &scales = *step.find("scale");
-        for (std::size_t i = 0; i < weights.size; ++i)
-            bytes.move_weight(network.in_bytes[weights.offset + i],
-                              network.in_bytes[scales.offset + i / (weights.size / scales.size)]);
+        const std::size_t of_filter = weights.size / scales.size,
+                          taps = weights.extents[2] * weights.extents[3];
+        for (std::size_t tap = 0; tap < taps; ++tap)
+            for (std::size_t i = tap; i < weights.size; i += taps)
+                bytes.move_weight(network.in_bytes[weights.offset + i],
+                                  network.in_bytes[scales.offset + i / of_filter]);
     }
 }
 

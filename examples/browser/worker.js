@@ -15,14 +15,17 @@ const bytesAt = (at, count = PIXELS) => new Uint8Array(memory.buffer, at, count)
 const floatsAt = (at, count) => new Float32Array(memory.buffer, at, count).slice();
 const numbers = (count) => [...new Float64Array(memory.buffer, wasm.numbers(), count)];
 
-// Microseconds of one call of `body(times)` per time; browsers round their clocks, so it runs for some milliseconds.
-function microseconds(body, atLeast = 4) {
-  for (let times = 4; ; times *= 4) {
+// Microseconds of one call of `body(times)` per time: browsers round their clocks, so it runs for some milliseconds, and
+// other programs disturb it, so that the fastest of three counts.
+function microseconds(body, atLeast = 2) {
+  const run = (times) => {
     const start = performance.now();
     body(times);
-    const taken = performance.now() - start;
-    if (taken >= atLeast || times > 1e6) return taken * 1000 / times;
-  }
+    return performance.now() - start;
+  };
+  let times = 4, fastest = run(times);
+  while (fastest < atLeast && times < 1e6) times *= 4, fastest = run(times);
+  return Math.min(fastest, run(times), run(times)) * 1000 / times;
 }
 
 async function start({ wasmBytes, weightBytes }) {
@@ -124,10 +127,10 @@ function measured(state) {
     const left = state.effects.findIndex((_, i) => costs.effects[i] === undefined && state.compared[i]);
     const which = left >= 0 ? left : lastEffect % state.effects.length;
     if (state.compared[which]) {
-      const taken = microseconds((times) => wasm.repeat_effect(which, times), 2);
+      const taken = microseconds((times) => wasm.repeat_effect(which, times));
       costs.effects[which] = Math.min(taken, costs.effects[which] ?? Infinity);
     }
-    if (left < 0 && !costs.layer) costs.layer = microseconds((times) => wasm.repeat_contact(true, times), 2) - microseconds((times) => wasm.repeat_contact(false, times), 2);
+    if (left < 0 && !costs.layer) costs.layer = microseconds((times) => wasm.repeat_contact(true, times)) - microseconds((times) => wasm.repeat_contact(false, times));
   }
   return costs;
 }

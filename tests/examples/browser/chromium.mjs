@@ -33,7 +33,7 @@ export async function openChromium(program) {
   })]);
 
   async function openPage(url, { width = 1440, height = 900, dark = false, touch = false, before = '' } = {}) {
-    const { targetId } = await send('Target.createTarget', { url: 'about:blank' });
+    const { targetId } = await send('Target.createTarget', { url: 'about:blank', newWindow: true });
     const { sessionId } = await send('Target.attachToTarget', { targetId, flatten: true });
     const ask = (method, params) => send(method, params, sessionId);
     const errors = [];
@@ -47,7 +47,6 @@ export async function openChromium(program) {
     await ask('Emulation.setDeviceMetricsOverride', { width, height, deviceScaleFactor: 1, mobile: touch });
     await ask('Emulation.setEmulatedMedia', { features: [{ name: 'prefers-color-scheme', value: dark ? 'dark' : 'light' }] });
     if (before) await ask('Page.addScriptToEvaluateOnNewDocument', { source: before });
-    await ask('Page.navigate', { url });
     const evaluate = async (expression) => {
       const { result, exceptionDetails } = await ask('Runtime.evaluate', { expression, returnByValue: true, awaitPromise: true });
       if (exceptionDetails) throw new Error(`${expression}: ${exceptionDetails.exception?.description ?? exceptionDetails.text}`);
@@ -59,6 +58,8 @@ export async function openChromium(program) {
         if (await evaluate(`Boolean(${expression})`).catch(() => false)) return;
       throw new Error(`expected within ${seconds} s: ${expression}; the page says: ${await evaluate('document.body.innerText.slice(0, 600)')}; errors: ${errors.join('; ')}`);
     };
+    await ask('Page.navigate', { url });
+    await until(`document.readyState === 'complete' && location.href !== 'about:blank'`);
     const mouse = (type, x, y) => ask('Input.dispatchMouseEvent', { type, x, y, button: 'left', buttons: type === 'mouseReleased' ? 0 : 1, clickCount: 1 });
     const key = async (name) => { await ask('Input.dispatchKeyEvent', { type: 'keyDown', key: name }); await ask('Input.dispatchKeyEvent', { type: 'keyUp', key: name }); };
     const screenshot = async (whole = false) => {

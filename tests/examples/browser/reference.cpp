@@ -1,11 +1,12 @@
-// What the networks of the page give natively for touches of the page, and how far other instruction sets may be
-// from it:
+// What the networks of the page give natively for touches of the page, and how far other instruction sets may
+// be from it:
 //
 //     test_browser_reference WEIGHTS TILES
 //
-// TILES is what the page's function `tiles` says of each network in WebAssembly, as numbers: how many convolutions,
-// then rows and columns of each. Writes JSON: per touch its counts, and per network the logits in single precision, the
-// bound of what they and those in WebAssembly may differ by, and the logits in 8 bits.
+// TILES is what the page's function `tiles` says of each network in WebAssembly, as numbers: how many
+// convolutions, then rows and columns of each. Writes JSON: per touch its counts, and per network the logits
+// in single precision, the bound of what they and those in WebAssembly may differ by, and the logits in 8
+// bits.
 
 #include "page.cpp" // of examples/browser
 

@@ -47,7 +47,6 @@ for (const { label, counts, networks } of touches) {
     ++compared;
   });
 }
-// A bound is good for something if errors come near it: none here is a thousand times too large.
 console.log(`${compared} answers compared; largest difference ${worst.toExponential(2)} of its bound`);
 assert.equal(wasm.effect_count(), 14);
 
