@@ -1,6 +1,6 @@
 // Trains the networks of the page on simulated touches alone, and writes their weights in the page's format:
 //
-//     tactnet_browser_weights WEIGHTS [EPOCHS]
+//     make_weights WEIGHTS [EPOCHS]
 //
 // EPOCHS, a percentage of those of the default recipe, is 10. The same seed gives the same bytes on any
 // number of threads, for one instruction set. It prints how many touches of a further seed each network

@@ -55,6 +55,9 @@ function stopPlaying() {
   showControls();
 }
 
+// The effects with a switch, the elastic layer last.
+const SWITCHES = [...EFFECTS, LAYER].map((_, i) => i).filter((i) => !EFFECTS[i]?.hidden);
+
 // ---- The worker: one question at a time, the latest state wins.
 let worker, asked = 0, busy = false;
 const waiting = new Map();
@@ -109,11 +112,10 @@ async function tick(now) {
   if (busy || document.hidden) return;
   busy = true;
   if (playing) playScene(now);
-  const compared = visibleEffects();
   const message = {
     object: state.object, touch: state.touch, place: state.place, turn: state.turn, force: state.force, press,
     network: state.network, bits: state.bits, size: NETWORKS[state.network], effects: state.effects, layer: state.layer, health: state.health,
-    seconds: (now - touchStart) / 1000, compare: compared, compared: EFFECTS.map((effect) => !effect.hidden),
+    seconds: (now - touchStart) / 1000, timed: SWITCHES, compared: comparedNow(),
     sketch: state.strokes.length ? sketchVersion : 0,
   };
   if (message.sketch && sentSketch !== sketchVersion) message.sketchMap = sketchMap(state.strokes), sentSketch = sketchVersion;
@@ -141,8 +143,9 @@ async function tick(now) {
 let sentSketch = 0;
 const effectsSeen = { now: false };
 new IntersectionObserver((entries) => { effectsSeen.now = entries.at(-1).isIntersecting; }).observe($('effects'));
+// Three effects per frame are compared, one after the other, while their pictures are in view.
 let compareTurn = 0;
-const visibleEffects = () => effectsSeen.now && ++compareTurn % 4 === 0; // some 15 times a second are enough
+const comparedNow = () => effectsSeen.now ? [0, 1, 2].map(() => SWITCHES[++compareTurn % SWITCHES.length]) : [];
 
 // ---- Pictures of a frame
 const array = $('array');
@@ -211,9 +214,8 @@ function show(answer, asked) {
   $('fault-text').textContent = broken ? `${broken} ${broken === 1 ? 'tactel is' : 'tactels are'} broken; ${state.health ? `${answer.found === 0 ? 'none' : answer.found === broken ? 'all' : answer.found} found and filled in from their neighbours.${answer.found < broken && answer.newtons > 0 ? ' Move or lift the object, and it finds the rest.' : ''}` : 'the network sees what they read.'}` : 'The sensor is whole.';
   const time = answer.costs.network[`${asked.network}/${asked.bits}`];
   if (time && asked.network === state.network && asked.bits === state.bits) $('time').textContent = time < 10 ? time.toFixed(1) : Math.round(time), drawPlot(time);
-  answer.differences?.forEach((difference, i) => { if (difference) picture($(`difference-${i}`), difference, ROWS, COLUMNS, differenceColour); });
-  answer.costs.effects.forEach((cost, i) => { if (cost !== null && cost !== undefined) $(`cost-${i}`).textContent = microsecondText(cost); });
-  if (answer.costs.layer) $(`cost-${EFFECTS.length}`).textContent = microsecondText(answer.costs.layer);
+  for (const [effect, difference] of answer.differences) picture($(`difference-${effect}`), difference, ROWS, COLUMNS, differenceColour);
+  for (const [effect, cost] of Object.entries(answer.costs.effects)) $(`cost-${effect}`).textContent = microsecondText(cost);
   speak(touching ? `${found.name}, ${percent(found.probability)}` : 'Nothing touches the array');
   document.documentElement.dataset.answered ??= performance.now().toFixed(0);
   document.documentElement.dataset.label = touching ? found.name : '';

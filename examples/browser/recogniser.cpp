@@ -1,15 +1,13 @@
 // A network as a header in a web page, to copy: everything that a page of one's own needs. recogniser.hpp was
-// written by `tactnet export`, or as in examples/embedded/write_header.cpp.
+// written by `tactnet export`, or as in examples/embedded/write_header.cpp. docs/browser.md has the command
+// that compiles this file. The page then says:
 //
-//     em++ -std=c++20 -O2 -msimd128 -fno-exceptions -fno-rtti -I tactnet/include -I xsimd/include
-//     recogniser.cpp \
-//         --no-entry -sSTANDALONE_WASM -o recogniser.wasm
-//
-//     const { instance } = await WebAssembly.instantiateStreaming(fetch('recogniser.wasm'));
+//     const files = { wasi_snapshot_preview1: new Proxy({}, { get: () => () => 0 }) }; // never called
+//     const source = fetch('recogniser.wasm');
+//     const { instance } = await WebAssembly.instantiateStreaming(source, files);
 //     const { memory, counts, classify, probability } = instance.exports;
 //     new Uint8Array(memory.buffer, counts(), rows * columns).set(frame); // row by row
-//     console.log(classify(), probability());                            // the number of the class, −1 for
-//     none
+//     console.log(classify(), probability()); // the number of the class, −1 for none
 
 #include "recogniser.hpp"
 

@@ -2,8 +2,8 @@
 // with one frame. state.js lists networks and effects in the order of the C++.
 'use strict';
 const PIXELS = 28 * 50, CLASSES = 22;
-let wasm, memory, lastEffect = 0, lastTimed = 0;
-const costs = { network: {}, effects: [], layer: 0 };
+let wasm, memory, turn = 0, lastTimed = 0;
+const costs = { network: {}, effects: {} };
 let known = {}, held; // what the C++ was told last, and the object as it was drawn
 
 const decoded = async (base64) => {
@@ -101,37 +101,35 @@ function frame(state) {
   answer.alone = recognised(state, false);
   answer.probabilities = state.health ? recognised(state, true) : answer.alone;
   answer.seen = bytesAt(wasm.network_frame(state.network), state.size.rows * state.size.columns);
-  if (state.compare) {
-    answer.differences = state.effects.map((on, i) => {
-      if (!state.compared[i]) return null;
-      wasm.compare(i, state.seconds, on);
-      return new Int16Array(memory.buffer, wasm.difference(), PIXELS).slice();
-    });
-    wasm.compare_layer(state.seconds, state.layer);
-    answer.differences.push(new Int16Array(memory.buffer, wasm.difference(), PIXELS).slice());
-  }
-  answer.costs = measured(state);
+  answer.differences = state.compared.map((effect) => {
+    if (effect === state.effects.length) wasm.compare_layer(state.seconds, state.layer);
+    else wasm.compare(effect, state.seconds, state.effects[effect]);
+    return [effect, new Int16Array(memory.buffer, wasm.difference(), PIXELS).slice()];
+  });
+  answer.costs = measured(state, largest > 0);
   return answer;
 }
 
-// One measurement now and then: of the network, or of one effect after the other.
-function measured(state) {
-  const now = performance.now(), key = `${state.network}/${state.bits}`;
-  const due = !(key in costs.network) ? 0 : 300;
-  if (now - lastTimed < due) return costs;
+// One measurement now and then: of the network, or of one effect after the other, those without a figure first.
+function measured(state, pressed) {
+  const now = performance.now(), key = `${state.network}/${state.bits}`, isNew = !(key in costs.network);
+  if (!isNew && now - lastTimed < 300) return costs;
   lastTimed = now;
-  if (!(key in costs.network) || ++lastEffect % 4 === 0) {
-    const taken = microseconds((times) => wasm.repeat_network(state.network, state.bits === 8, times));
-    costs.network[key] = Math.min(taken, costs.network[key] ?? Infinity);
-  } else {
-    const left = state.effects.findIndex((_, i) => costs.effects[i] === undefined && state.compared[i]);
-    const which = left >= 0 ? left : lastEffect % state.effects.length;
-    if (state.compared[which]) {
-      const taken = microseconds((times) => wasm.repeat_effect(which, times));
-      costs.effects[which] = Math.min(taken, costs.effects[which] ?? Infinity);
-    }
-    if (left < 0 && !costs.layer) costs.layer = microseconds((times) => wasm.repeat_contact(true, times)) - microseconds((times) => wasm.repeat_contact(false, times));
+  if (isNew || ++turn % 4 === 0) {
+    costs.network[key] = Math.min(microseconds((times) => wasm.repeat_network(state.network, state.bits === 8, times)), costs.network[key] ?? Infinity);
+    return costs;
   }
+  if (!pressed) return costs; // effects take less time in air
+  const unmeasured = state.timed.filter((effect) => !(effect in costs.effects));
+  const effect = unmeasured[0] ?? state.timed[turn % state.timed.length];
+  let taken;
+  if (effect === state.effects.length) {
+    taken = microseconds((times) => wasm.repeat_contact(true, times)) - microseconds((times) => wasm.repeat_contact(false, times));
+    wasm.set_layer(state.layer);
+  } else {
+    taken = microseconds((times) => wasm.repeat_effect(effect, times));
+  }
+  costs.effects[effect] = Math.min(taken, costs.effects[effect] ?? Infinity);
   return costs;
 }
 
