@@ -11,20 +11,27 @@ const COLOURS = Array.from({ length: 256 }, (_, count) => {
 });
 $('ramp').style.background = `linear-gradient(90deg, ${[0, 32, 64, 96, 128, 160, 192, 224, 255].map((i) => `rgb(${COLOURS[i]})`).join(',')})`;
 
-function picture(canvas, values, rows, columns, colour) {
-  canvas.width = columns, canvas.height = rows;
-  const context = canvas.getContext('2d'), image = context.createImageData(columns, rows);
-  for (let i = 0; i < rows * columns; ++i) image.data.set([...colour(values[i]), 255], 4 * i);
+const COLOUR_TEXTS = COLOURS.map((colour) => `rgb(${colour})`);
+const packed = ([red, green, blue]) => (255 << 24 | blue << 16 | green << 8 | red) >>> 0; // as canvases keep pixels
+const COUNTS = Uint32Array.from(COLOURS, packed);
+const FAINT_COUNTS = COUNTS.map((_, count) => COUNTS[Math.round(255 * (count / 255) ** .6)]); // a hand shows in a small picture
+
+// Values from `first` on, as pixels of the colours in a table.
+function picture(canvas, values, rows, columns, table, first = 0) {
+  if (canvas.width !== columns || canvas.height !== rows) canvas.width = columns, canvas.height = rows;
+  const context = canvas.getContext('2d'), image = context.createImageData(columns, rows), pixels = new Uint32Array(image.data.buffer);
+  for (let i = 0; i < pixels.length; ++i) pixels[i] = table[values[i] - first];
   context.putImageData(image, 0, 0);
 }
-const countColour = (count) => COLOURS[count];
-const faintColour = (count) => COLOURS[Math.round(255 * (count / 255) ** .6)]; // so that a hand shows in a small picture
 const isDark = () => (document.documentElement.dataset.theme ?? (matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light')) === 'dark';
 // Blue for fewer counts, orange for more; the paper in between.
-const differenceColour = (difference) => {
-  const share = Math.min(1, Math.sqrt(Math.abs(difference) / 80)), end = difference > 0 ? (isDark() ? [255, 157, 92] : [194, 65, 12]) : isDark() ? [125, 182, 255] : [29, 95, 168];
-  return (isDark() ? [27, 25, 34] : [255, 255, 255]).map((from, i) => from + (end[i] - from) * share);
-};
+const differenceTable = (dark) => Uint32Array.from({ length: 511 }, (_, i) => {
+  const difference = i - 255, share = Math.min(1, Math.sqrt(Math.abs(difference) / 80));
+  const end = difference > 0 ? (dark ? [255, 157, 92] : [194, 65, 12]) : dark ? [125, 182, 255] : [29, 95, 168];
+  return packed((dark ? [27, 25, 34] : [255, 255, 255]).map((from, channel) => Math.round(from + (end[channel] - from) * share)));
+});
+const DIFFERENCES = { light: differenceTable(false), dark: differenceTable(true) };
+const put = (element, text) => { if (element.textContent !== text) element.textContent = text; };
 
 // ---- State
 let { state, problems } = read(location.hash);
@@ -84,7 +91,7 @@ async function start() {
     requestAnimationFrame(tick);
     const { pictures } = await ask('thumbnails', SHOWN);
     faultsChanged = true;
-    pictures.forEach((counts, i) => picture($(`object-${i}`), counts, ROWS, COLUMNS, faintColour));
+    pictures.forEach((counts, i) => picture($(`object-${i}`), counts, ROWS, COLUMNS, FAINT_COUNTS));
   } catch (error) {
     say(`The simulation could not start: ${error.message}.`);
   }
@@ -163,7 +170,7 @@ function drawArray(answer) {
       const place = row * COLUMNS + column, count = counts[place];
       const dead = state.dead.has(place), stuck = state.stuck.has(place);
       const shown = (dead || stuck) && state.health ? answer.clean[place] : count;
-      context.fillStyle = `rgb(${COLOURS[shown]})`;
+      context.fillStyle = COLOUR_TEXTS[shown];
       context.fillRect(column * cell + gap / 2, row * cell + gap / 2, cell - gap, cell - gap);
       if (dead || stuck) {
         context.strokeStyle = dead ? '#56c7ff' : '#ffffff';
@@ -191,31 +198,34 @@ const percent = (p) => `${p > .995 ? '> 99' : Math.round(100 * p)} %`;
 function show(answer, asked) {
   drawArray(answer);
   const { size } = asked, answerBox = document.querySelector('.answer');
-  picture($('seen'), answer.seen, size.rows, size.columns, countColour);
+  picture($('seen'), answer.seen, size.rows, size.columns, COUNTS);
   const found = best(answer.probabilities), touching = answer.touching && answer.area > 0;
   const truth = asked.sketch ? null : OBJECTS[asked.object];
   answerBox.classList.toggle('unsure', !touching || found.probability < .5);
-  $('label').textContent = touching ? found.name : 'nothing yet';
-  $('probability').textContent = touching ? percent(found.probability) : '';
-  $('verdict').textContent = !touching ? (answer.newtons > 0 ? 'hardly a touch' : 'nothing touches the array') : truth === null ? 'the nearest of 22 objects' : found.name === truth ? 'probable, and right' : `probable, but this is: ${truth}`;
+  put($('label'), touching ? found.name : 'nothing yet');
+  put($('probability'), touching ? percent(found.probability) : '');
+  put($('verdict'), !touching ? (answer.newtons > 0 ? 'hardly a touch' : 'nothing touches the array') : truth === null ? 'the nearest of 22 objects' : found.name === truth ? 'probable, and right' : `probable, but this is: ${truth}`);
   const ranked = [...answer.probabilities].map((p, i) => [p, i]).sort((a, b) => b[0] - a[0]).slice(0, bars.length);
   ranked.forEach(([p, i], rank) => {
     const [name, bar, share] = bars[rank].children;
-    name.textContent = touching ? OBJECTS[i] : '–', share.textContent = touching ? percent(p) : '';
+    put(name, touching ? OBJECTS[i] : '–'), put(share, touching ? percent(p) : '');
     bar.style.setProperty('--share', touching ? p.toFixed(4) : 0);
   });
   const broken = state.dead.size + state.stuck.size;
   $('beside').hidden = broken === 0 || !touching;
   if (broken) {
     const alone = best(answer.alone);
-    $('without-health').textContent = `${alone.name} ${percent(alone.probability)}`;
-    $('with-health').textContent = state.health ? `${found.name} ${percent(found.probability)}` : 'switched off';
+    put($('without-health'), `${alone.name} ${percent(alone.probability)}`);
+    put($('with-health'), state.health ? `${found.name} ${percent(found.probability)}` : 'switched off');
   }
-  $('fault-text').textContent = broken ? `${broken} ${broken === 1 ? 'tactel is' : 'tactels are'} broken; ${state.health ? `${answer.found === 0 ? 'none' : answer.found === broken ? 'all' : answer.found} found and filled in from their neighbours.${answer.found < broken && answer.newtons > 0 ? ' Move or lift the object, and it finds the rest.' : ''}` : 'the network sees what they read.'}` : 'The sensor is whole.';
+  put($('fault-text'), broken ? `${broken} ${broken === 1 ? 'tactel is' : 'tactels are'} broken; ${state.health ? `${answer.found === 0 ? 'none' : answer.found === broken ? 'all' : answer.found} found and filled in from their neighbours.${answer.found < broken && answer.newtons > 0 ? ' Move or lift the object, and it finds the rest.' : ''}` : 'the network sees what they read.'}` : 'The sensor is whole.');
   const time = answer.costs.network[`${asked.network}/${asked.bits}`];
-  if (time && asked.network === state.network && asked.bits === state.bits) $('time').textContent = time < 10 ? time.toFixed(1) : Math.round(time), drawPlot(time);
-  for (const [effect, difference] of answer.differences) picture($(`difference-${effect}`), difference, ROWS, COLUMNS, differenceColour);
-  for (const [effect, cost] of Object.entries(answer.costs.effects)) $(`cost-${effect}`).textContent = microsecondText(cost);
+  if (time && asked.network === state.network && asked.bits === state.bits) {
+    put($('time'), time < 10 ? time.toFixed(1) : String(Math.round(time)));
+    drawPlot(time);
+  }
+  for (const [effect, difference] of answer.differences) picture($(`difference-${effect}`), difference, ROWS, COLUMNS, DIFFERENCES[isDark() ? 'dark' : 'light'], -255);
+  for (const [effect, cost] of Object.entries(answer.costs.effects)) put($(`cost-${effect}`), microsecondText(cost));
   speak(touching ? `${found.name}, ${percent(found.probability)}` : 'Nothing touches the array');
   document.documentElement.dataset.answered ??= performance.now().toFixed(0);
   document.documentElement.dataset.label = touching ? found.name : '';

@@ -8,7 +8,8 @@ export async function openChromium(program) {
   const folder = mkdtempSync(join(tmpdir(), 'tactnet-browser-'));
   const process_ = spawn(program, [
     '--headless=new', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run', '--disable-background-networking',
-    '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage', '--hide-scrollbars', '--remote-debugging-pipe', `--user-data-dir=${folder}`, 'about:blank',
+    '--disable-component-update', '--disable-sync', '--disable-dev-shm-usage', '--hide-scrollbars', '--disable-backgrounding-occluded-windows', '--disable-renderer-backgrounding',
+    '--disable-background-timer-throttling', '--remote-debugging-pipe', `--user-data-dir=${folder}`, 'about:blank',
   ], { stdio: ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'] });
   const [, , , to, from] = process_.stdio;
   let number = 0, rest = '';
@@ -56,7 +57,7 @@ export async function openChromium(program) {
     const until = async (expression, seconds = 30) => {
       for (const end = Date.now() + 1000 * seconds; Date.now() < end; await new Promise((done) => setTimeout(done, 50)))
         if (await evaluate(`Boolean(${expression})`).catch(() => false)) return;
-      throw new Error(`expected within ${seconds} s: ${expression}; the page says: ${await evaluate('document.body.innerText.slice(0, 600)')}; errors: ${errors.join('; ')}`);
+      throw new Error(`expected within ${seconds} s: ${expression}; the page says: ${await evaluate(`[document.hidden, typeof busy === 'undefined' ? '' : busy, document.body.innerText.slice(0, 600)].join(' ')`)}; errors: ${errors.join('; ')}`);
     };
     await ask('Page.navigate', { url });
     await until(`document.readyState === 'complete' && location.href !== 'about:blank'`);
