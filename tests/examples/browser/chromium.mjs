@@ -57,7 +57,8 @@ export async function openChromium(program) {
     const until = async (expression, seconds = 30) => {
       for (const end = Date.now() + 1000 * seconds; Date.now() < end; await new Promise((done) => setTimeout(done, 50)))
         if (await evaluate(`Boolean(${expression})`).catch(() => false)) return;
-      throw new Error(`expected within ${seconds} s: ${expression}; the page says: ${await evaluate(`[document.hidden, typeof busy === 'undefined' ? '' : busy, document.body.innerText.slice(0, 600)].join(' ')`)}; errors: ${errors.join('; ')}`);
+      const said = await evaluate(`new Promise((done) => { let frames = 0; const count = () => { ++frames, requestAnimationFrame(count); }; count(); setTimeout(() => done(frames + ' frames in 1 s, ' + (document.hidden ? 'hidden: ' : 'visible: ') + document.body.innerText), 1000); })`);
+      throw new Error(`expected within ${seconds} s: ${expression}; the page, ${said}; errors: ${errors.join('; ')}`);
     };
     await ask('Page.navigate', { url });
     await until(`document.readyState === 'complete' && location.href !== 'about:blank'`);
