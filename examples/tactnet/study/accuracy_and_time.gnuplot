@@ -1,4 +1,4 @@
-# Test accuracy against the time of a frame: each method, the best for the time, other libraries, the paper.
+# Test accuracy against time per frame: each method, the Pareto front, other libraries, the paper.
 #     gnuplot -c accuracy_and_time.gnuplot accuracy_and_time.csv png > accuracy_and_time.png
 set datafile separator ","
 set datafile columnheaders
@@ -7,8 +7,8 @@ else { if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo siz
 else { set terminal png size 1100,700 noenhanced } }
 # Hues that people who confuse colours tell apart, on light and dark ground; grey for the paper.
 array series = ["touches", "photographs", "machines", "paper", "peers", "front", "names"]
-array title = ["networks for touches", "networks from photographs", "support vector machines", "the paper", \
-    "the same by other libraries", "the best for the time"]
+array title = ["networks for touches", "ImageNet-pretrained networks", "support vector machines", "the paper", \
+    "the same networks, other libraries", "Pareto front"]
 array hue = [0x2a78d6, 0xd9622b, 0x199e70, 0x8a8a86, 0xb0479a, 0x2a78d6]
 array mark = [7, 7, 7, 6, 2, 0]
 array there[6]
@@ -36,11 +36,11 @@ set tics nomirror
 set grid lc rgb "#d0d0cc" lw 0.5
 set pointintervalbox 0
 set logscale x
-set xrange [0.015 * STATS_min:3e8]
-set xlabel "time of a frame, one core"
+set xrange [0.015 * STATS_min:30 * STATS_max]
+set xlabel "time per frame, one core (log scale)"
 set xtics ("1 µs" 1, "10 µs" 10, "100 µs" 1e2, "1 ms" 1e3, "10 ms" 1e4, "100 ms" 1e5, "1 s" 1e6, "10 s" 1e7, "100 s" 1e8)
 set yrange [first:last]
-set ylabel "test accuracy, %"
+set ylabel last < 100 ? "test accuracy, % (errors on a log scale)" : "test accuracy, %"
 set key opaque bottom right
 plot ARG1 using (x(6)):"accuracy" smooth unique with steps lw 1.5 dt 2 lc rgb hue[6] title key(6), \
     for [i = 1:4] "" using (x(i)):"accuracy":(column("accuracy") - column("deviation")): \

@@ -56,7 +56,7 @@ study_table front_table(const std::vector<study_row>& rows) {
     const split_rule rule = shown_rule(rows);
     const split_rule other = rule == split_rule::random ? split_rule::blocked : split_rule::random;
     study_table t{"front",
-                  "The best for the time",
+                  "Pareto front",
                   fmt::format("Methods with which no other is both faster and more accurate, over {} splits.",
                               name_of(rule)),
                   {{"method", "tactels", "µs per frame", fmt::format("accuracy, {} splits, %", name_of(rule)),

@@ -54,7 +54,7 @@ std::string words_of(const study_row& row) {
     return text + (row.latency ? fmt::format("\\n{:.1f} µs per frame", row.latency->median) : "");
 }
 
-/// Accuracy against microseconds: each method, the best for the time, other libraries, and the paper.
+/// Accuracy against microseconds: each method, the Pareto front, other libraries, and the paper.
 study_picture costs_picture(const std::vector<study_row>& rows, const std::vector<peer_time>& peers) {
     const split_rule rule = shown_rule(rows);
     std::vector<nlohmann::ordered_json> points;
@@ -99,7 +99,7 @@ study_picture costs_picture(const std::vector<study_row>& rows, const std::vecto
         errors = 100 - accuracy;
     }
     return {"accuracy_and_time",
-            fmt::format("Test accuracy over {} splits against the time of a frame on one core; bars are "
+            fmt::format("Test accuracy over {} splits against time per frame on one core; bars are "
                         "standard deviations. The paper's figures are of its own images and machine.{}",
                         name_of(rule),
                         by_others ? " A cross is the same network, run by another library." : ""),

@@ -205,7 +205,7 @@ TEST_SUITE("program") {
                                   "| much 7x13 | 95.00 | 85.00 | 10.00 |\n<!-- study split rules ends -->"));
     }
 
-    TEST_CASE("study_pictures: methods by family, and the best for the time with names that do not overlap") {
+    TEST_CASE("study_pictures: methods by family, and the Pareto front with names that do not overlap") {
         std::vector<study_row> rows{studied("net", 0.9, 10), studied("svm, own", 0.95, 20),
                                     studied("near", 0.951, 30), studied("untimed", 0.99, 5)};
         rows[1].family = method_family::machines;
