@@ -192,7 +192,7 @@ function drawArray(answer) {
 }
 
 const best = (probabilities) => { let index = 0; probabilities.forEach((p, i) => { if (p > probabilities[index]) index = i; }); return { name: OBJECTS[index], probability: probabilities[index] }; };
-const percent = (p) => `${p > .995 ? '> 99' : Math.round(100 * p)} %`;
+const percent = (p) => `${p > .995 ? '> 99' : p > 0 && p < .005 ? '< 1' : Math.round(100 * p)} %`;
 
 // `asked` is what the worker was asked: by now, the state may be another.
 function show(answer, asked) {
@@ -204,7 +204,7 @@ function show(answer, asked) {
   answerBox.classList.toggle('unsure', !touching || found.probability < .5);
   put($('label'), touching ? found.name : 'nothing yet');
   put($('probability'), touching ? percent(found.probability) : '');
-  put($('verdict'), !touching ? (answer.newtons > 0 ? 'hardly a touch' : 'nothing touches the array') : truth === null ? 'the nearest of 22 objects' : found.name === truth ? 'probable, and right' : `probable, but this is: ${truth}`);
+  put($('verdict'), !touching ? (answer.newtons > 0 ? 'hardly a touch' : 'nothing touches the array') : truth === null ? 'the nearest of 22 objects' : found.name === truth ? 'confidence: correct' : `confidence, but this is: ${truth}`);
   const ranked = [...answer.probabilities].map((p, i) => [p, i]).sort((a, b) => b[0] - a[0]).slice(0, bars.length);
   ranked.forEach(([p, i], rank) => {
     const [name, bar, share] = bars[rank].children;
@@ -218,7 +218,7 @@ function show(answer, asked) {
     put($('without-health'), `${alone.name} ${percent(alone.probability)}`);
     put($('with-health'), state.health ? `${found.name} ${percent(found.probability)}` : 'switched off');
   }
-  put($('fault-text'), broken ? `${broken} ${broken === 1 ? 'tactel is' : 'tactels are'} broken; ${state.health ? `${answer.found === 0 ? 'none' : answer.found === broken ? 'all' : answer.found} found and filled in from their neighbours.${answer.found < broken && answer.newtons > 0 ? ' Move or lift the object, and it finds the rest.' : ''}` : 'the network sees what they read.'}` : 'The sensor is whole.');
+  put($('fault-text'), broken ? `${broken} ${broken === 1 ? 'tactel is' : 'tactels are'} broken; ${state.health ? `${answer.found === 0 ? 'none' : answer.found === broken ? 'all' : answer.found} found and filled in from their neighbours.${answer.found < broken && answer.newtons > 0 ? ' Move or lift the object, and it finds the rest.' : ''}` : 'the network sees what they read.'}` : 'No broken cells.');
   const time = answer.costs.network[`${asked.network}/${asked.bits}`];
   if (time && asked.network === state.network && asked.bits === state.bits) {
     put($('time'), time < 10 ? time.toFixed(1) : String(Math.round(time)));
@@ -246,7 +246,7 @@ function speak(text) { // an answer that has settled for a second; not each fram
 const STUDY = /* study */[];
 function drawPlot(measured) {
   const chosen = NETWORKS[state.network], plot = $('plot');
-  const left = 40, right = 408, top = 12, bottom = 256, x = (time) => left + (right - left) * Math.log(time / .3) / Math.log(200 / .3), y = (accuracy) => bottom - (bottom - top) * (accuracy - 92) / 7;
+  const left = 40, right = 408, top = 16, bottom = 256, x = (time) => left + (right - left) * Math.log(time / .3) / Math.log(200 / .3), y = (accuracy) => bottom - (bottom - top) * (accuracy - 92) / 7;
   const colour = { 'TactNet-4': 'var(--less)', 'TactNet-6': 'var(--accent)', economical: 'var(--good)' };
   const is = (point) => point.rows === chosen.rows && point.columns === chosen.columns && (point.family === state.family || point.family === chosen.family);
   const here = STUDY.find((point) => is(point) && point.bits === state.bits) ?? STUDY.find(is);
@@ -256,7 +256,7 @@ function drawPlot(measured) {
   let drawing = '';
   for (const time of [.5, 1, 2, 5, 10, 20, 50, 100, 200]) drawing += `<line class="axis" x1="${x(time)}" x2="${x(time)}" y1="${top}" y2="${bottom}"/><text x="${x(time)}" y="${bottom + 15}" text-anchor="middle">${time}</text>`;
   for (const accuracy of [92, 94, 96, 98]) drawing += `<line class="axis" x1="${left}" x2="${right}" y1="${y(accuracy)}" y2="${y(accuracy)}"/><text x="${left - 6}" y="${y(accuracy) + 4}" text-anchor="end">${accuracy}</text>`;
-  drawing += `<text x="${right}" y="${bottom + 31}" text-anchor="end">µs per frame</text><text x="${left - 34}" y="${bottom + 31}">% right on real touches</text>`;
+  drawing += `<text x="${right}" y="${bottom + 31}" text-anchor="end">time per frame, µs (log scale)</text><text x="${left - 34}" y="${top - 1}">accuracy on real touches, %</text>`;
   for (const point of STUDY) drawing += `<circle cx="${x(point.time)}" cy="${y(point.accuracy)}" r="4.5" fill="${point.bits === 8 ? 'var(--card)' : colour[point.family]}" stroke="${colour[point.family]}" stroke-width="1.6"/>`;
   if (here) {
     const to = Math.min(right, x(measured)), from = x(here.time), level = y(here.accuracy);
@@ -265,7 +265,7 @@ function drawPlot(measured) {
     drawing += `<text class="here" x="${Math.max(from, to) + (end ? 0 : 12)}" y="${level + (end ? -13 : 4)}" text-anchor="${end ? 'end' : 'start'}">this browser</text>`;
   }
   plot.innerHTML = drawing;
-  $('plot-text').innerHTML = `${here ? `${FAMILIES[here.family].title} at ${here.rows} × ${here.columns}${here.bits === 8 ? ' in 8 bits' : ''}: ${here.accuracy.toFixed(1)} % of the paper’s real touches, when trained on real ones, in ${here.time.toFixed(1)} µs on an AMD Zen 5 core (ring); ${measured.toFixed(1)} µs in this browser (diamond). ` : ''}<span style="color:${colour['TactNet-4']}">●</span> TactNet-4 <span style="color:${colour['TactNet-6']}">●</span> TactNet-6 <span style="color:${colour.economical}">●</span> economical; hollow: 8 bits.`;
+  $('plot-text').innerHTML = `${here ? `${FAMILIES[here.family].title} at ${here.rows} × ${here.columns}${here.bits === 8 ? ' in 8 bits' : ''}: ${here.accuracy.toFixed(1)} % of the paper’s real touches, when trained on real ones, in ${here.time.toFixed(1)} µs on an AMD Zen 5 core (ring); ${measured.toFixed(1)} µs in this browser (diamond). ` : ''}<span style="color:${colour['TactNet-4']}">●</span> TactNet-4 <span style="color:${colour['TactNet-6']}">●</span> TactNet-6 <span style="color:${colour.economical}">●</span> economical; hollow points are in 8 bits.`;
 }
 
 // ---- Controls
@@ -345,7 +345,7 @@ choice('family', Object.entries(FAMILIES).map(([name, { title }]) => [name, titl
 });
 $('size').addEventListener('input', () => { state.network = FAMILIES[state.family].networks[$('size').value], showSizes(), changed(); });
 choice('bits', [[32, 'single precision'], [8, '8 bits']], state.bits, (bits) => { state.bits = bits, $('time').textContent = '–', changed(); });
-choice('tool', [['press', 'press'], ['tactel', 'tactel'], ['row', 'row'], ['column', 'column']], tool, (value) => { tool = value, array.classList.toggle('breaks', tool !== 'press'); });
+choice('tool', [['press', 'press'], ['tactel', 'break a cell'], ['row', 'a row'], ['column', 'a column']], tool, (value) => { tool = value, array.classList.toggle('breaks', tool !== 'press'); });
 choice('kind', [['dead', 'dead: reads 0'], ['stuck', 'stuck: reads 255']], kind, (value) => { kind = value; });
 $('health').addEventListener('change', () => { state.health = $('health').checked, changed(); });
 
