@@ -28,14 +28,19 @@ class described_network {
 public:
     template <class Network>
     static described_network of(const Network& network) {
-        described_network d;
-        d.maps_.push_back(Network::input_shape);
         const tactnet::parameter_source source{network.learnable_values().data(),
                                                network.running_statistics().data(), network.epsilon};
         using plan = tactnet::lowered_network<Network>;
         std::vector<float> folded(plan::step::folded_elements);
         plan::fold(source, folded.data());
-        d.add(typename plan::step{}, folded.data(), 0);
+        return of_folded<Network>(folded.data());
+    }
+    /// From the folded numbers of the network's steps.
+    template <class Network>
+    static described_network of_folded(const float* folded) {
+        described_network d;
+        d.maps_.push_back(Network::input_shape);
+        d.add(typename tactnet::lowered_network<Network>::step{}, folded, 0);
         return d;
     }
     [[nodiscard]] const std::vector<operation>& operations() const { return operations_; }
