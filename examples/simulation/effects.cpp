@@ -1,6 +1,5 @@
-// Draws each effect of the simulation switched on alone, one strip an effect: two touches without it, and the
-// same with it; and says what it costs a frame. Strengths are chosen so that one sees something, unless the
-// default shows by itself.
+// Draws two touches without effects, and with each effect of the simulation alone; prints what each effect
+// costs per frame. Strengths are chosen so that the effect is visible, unless the default already is.
 
 #include <tactnet/simulation.hpp>
 

@@ -20,7 +20,7 @@ unset key
 eval note("One core, batch 1, ".processor.". Mean of 20 random splits of the paper's 1100 images.")
 set label 1 sprintf("best of the paper: %.1f %%", best_of_paper) at 2.7e4,best_of_paper right offset 0,-0.7 tc rgb quiet font ",13"
 set arrow 1 from 0.1,best_of_paper to 3e4,best_of_paper nohead lc rgb quiet dt (6,4)
-set label 2 "Pareto front" at 10.5,98.27 left offset 0.5,0 tc rgb blue
+set label 2 "Pareto front of tactnet" at 10.5,98.27 left offset 0.5,0 tc rgb blue
 set label 3 "ImageNet-pretrained" at 2.7e4,97.85 right tc rgb orange
 only(kind) = strcol(1) eq kind ? $2 : NaN
 at(side) = strcol(5) eq side ? $2 : NaN
