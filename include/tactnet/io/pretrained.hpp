@@ -39,8 +39,8 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Fills a network with the arrays of a file, under torchvision's names, in float32, float16, bfloat16 or any
 /// other type that converts to float. Arrays are read one by one into the network, which needs one megabyte
-/// in addition to the network. Arrays whose names begin with one of `unread` (such as "classifier.") are ignored, for
-/// a trunk that is read from the file of a whole network.
+/// in addition to the network. Arrays whose names begin with one of `unread` (such as "classifier.") are
+/// ignored, for a trunk that is read from the file of a whole network.
 ///
 /// If the file holds the network among other things, `prefix` stands before its names there; all names
 /// without the prefix are ignored.
