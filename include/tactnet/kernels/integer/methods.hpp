@@ -12,7 +12,7 @@
 //   offset               what is subtracted from an input of 8 bits before it is multiplied
 //   filter_places        elements of the arrays of the epilogue
 //   place(filter)        where the elements of a filter lie in them
-//   pack(weight, to)     `to` must be zero-initialised; weight(filter, channel of its group, row, column) is a signed byte
+//   pack(weight, to)     into zeros; weight(filter, channel of its group, row, column) is a signed byte
 //   run(packed, epilogue, input, output, workspace)
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {

@@ -20,8 +20,8 @@ using paper_array = array<tekscan_6077::extents.rows, tekscan_6077::extents.colu
 using paper_scene = scene<paper_array, contact<winkler>, elastic_pad, film_texture, saturation,
                           quantisation<8>, jpeg_storage>;
 
-/// The effects of paper_scene with an accurate contact model, in which cells influence each other. Takes hundreds of
-/// times as long.
+/// The effects of paper_scene with an accurate contact model, in which cells influence each other. Takes
+/// hundreds of times as long.
 using layered_scene = scene<paper_array, contact<bonded_layer>, elastic_pad, film_texture, saturation,
                             quantisation<8>, jpeg_storage>;
 
