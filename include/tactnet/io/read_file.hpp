@@ -63,8 +63,7 @@ struct file_status {
     if (S_ISREG(found.st_mode))
         return {file_kind::other, static_cast<std::uintmax_t>(found.st_size)};
     if (S_ISFIFO(found.st_mode)) {
-        char* const place = ::realpath(path.c_str(), nullptr);
-        std::free(place);
+        const std::unique_ptr<char, void (*)(void*)> place(::realpath(path.c_str(), nullptr), std::free);
         return {place == nullptr ? file_kind::other : file_kind::named_pipe};
     }
     return {S_ISDIR(found.st_mode)   ? file_kind::folder
