@@ -221,7 +221,7 @@ PAGE_FUNCTION(compare) void compare(std::size_t effect, double seconds, bool is_
     p.array.read_without(effect, moment_of(seconds), p.touch, p.other);
     write_difference(is_on);
 }
-/// The same of the elastic layer.
+/// difference: the counts with the elastic layer less those without it, or the other way round.
 PAGE_FUNCTION(compare_layer) void compare_layer(double seconds, bool is_on) {
     page_state& p = page();
     p.array.set_layer(!is_on);

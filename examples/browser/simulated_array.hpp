@@ -14,7 +14,7 @@
 #include <utility>
 
 // An array whose effects can be switched while it is touched. A scene lists its effects when it is compiled;
-// here each bound effect has a switch beside it.
+// here each bound effect has a switch of its own.
 
 namespace browser {
 

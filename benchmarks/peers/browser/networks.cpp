@@ -1,4 +1,4 @@
-// The networks of the page in docs/browser, for compare.mjs beside this file, which runs it:
+// The networks of the page in docs/browser, for compare.mjs in this folder, which runs it:
 //
 //     benchmark_browser WEIGHTS FOLDER ROUNDS [IMAGES]
 //

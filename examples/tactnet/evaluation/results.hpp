@@ -30,7 +30,8 @@ std::optional<tactnet::temperature_scaling> fit_temperature(const tactnet::evalu
 /// How well the probabilities of a network agree with how often it is right.
 struct calibration {
     tactnet::temperature_scaling scaling{};
-    /// Of the same images, by the softmax and by the scaled one; empty for methods without probabilities.
+    /// Calibration on the test images, by the softmax and by the scaled one; empty for methods without
+    /// probabilities.
     tactnet::reliability_diagram before{}, after{};
 };
 
