@@ -1,6 +1,12 @@
 #pragma once
 
 #include <tactnet/layers/activation.hpp>
+#include <tactnet/layers/activations/gelu.hpp>
+#include <tactnet/layers/activations/hard.hpp>
+#include <tactnet/layers/activations/hyperbolic_tangent.hpp>
+#include <tactnet/layers/activations/leaky_relu.hpp>
+#include <tactnet/layers/activations/sigmoid.hpp>
+#include <tactnet/layers/activations/softplus.hpp>
 #include <tactnet/layers/average_pool.hpp>
 #include <tactnet/layers/batch_norm.hpp>
 #include <tactnet/layers/composition/concatenation.hpp>

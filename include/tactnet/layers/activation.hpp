@@ -4,21 +4,36 @@
 #include <tactnet/layers/activation_function.hpp>
 #include <tactnet/layers/layer.hpp>
 
-#include <algorithm>
+#include <concepts>
 #include <cstddef>
 #include <string_view>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// The elementwise layer of an activation function, in place. `activation_function.hpp` shows how to write
-/// one.
+namespace detail {
+
+/// out[i] = operation(in[i]…) for whole vectors, in vectors if the function takes these.
+template <class Function, class T>
+void transform(auto&& operation, std::size_t count, T* out, const std::same_as<T> auto*... in) {
+    if constexpr (takes_vectors<Function> && std::same_as<T, float>)
+        kernels::transform_vectors(operation, count, out, in...);
+    else
+        for (std::size_t i = 0; i < count; ++i)
+            out[i] = operation(in[i]...);
+}
+
+} // namespace detail
+
+/// The elementwise layer of an activation function, in place unless its gradient needs the input.
+/// `activation_function.hpp` shows how to write one.
 template <activation_function Function>
 struct activation {
     static constexpr std::string_view name = Function::name;
     static constexpr bool numbered = true;
 
     static constexpr layer_costs costs(const shape& input) {
-        return {.output = input, .in_place = true, .keeps_output = true};
+        constexpr bool from_output = !detail::needs_input<Function>;
+        return {.output = input, .in_place = from_output, .keeps_output = from_output};
     }
 
     template <class T, shape Input>
@@ -29,14 +44,18 @@ struct activation {
             if constexpr (detail::is_relu<Function>())
                 kernels::relu_forward(in, out, elements);
             else
-                std::transform(in, in + elements, out, [](T x) { return Function::value(x); });
+                detail::transform<Function>([](auto x) { return Function::value(x); }, elements, out, in);
         }
-        static void backward_block(const T*, const T* out, const T* out_gradient, T* in_gradient) {
+        static void backward_block(const T* in, const T* out, const T* out_gradient, T* in_gradient) {
             if constexpr (detail::is_relu<Function>())
                 kernels::relu_backward(out, out_gradient, in_gradient, elements);
+            else if constexpr (detail::needs_input<Function>)
+                detail::transform<Function>(
+                    [](auto x, auto g) { return Function::backward_from_input(x, g); }, elements, in_gradient,
+                    in, out_gradient);
             else
-                std::transform(out, out + elements, out_gradient, in_gradient,
-                               [](T y, T gradient) { return Function::backward(y, gradient); });
+                detail::transform<Function>([](auto y, auto g) { return Function::backward(y, g); }, elements,
+                                            in_gradient, out, out_gradient);
         }
     };
 };

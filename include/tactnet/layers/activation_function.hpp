@@ -1,8 +1,9 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
 
 #include <concepts>
+#include <type_traits>
 
 // An elementwise activation function, in one struct. From it follow the layer activation<Function>
 // (layers/activation.hpp), the deployed step in single precision and in 8 bits, its calibration and its
@@ -27,20 +28,42 @@
 //     using hard_tanh = tactnet::activation<hard_tanh_function>;
 //
 // `value` is a function of float and double. `backward` makes the gradient of the input from the output y and
-// its gradient. An empty `header` means that the deployed network declares the function anyway. In 8 bits a
-// table holds the value of each byte. Optional members:
+// its gradient. Where that does not follow from the output, as for SiLU, write
+// `backward_from_input(x, gradient)` instead; the layer then keeps its input. An empty `header` means that the
+// deployed network declares the function anyway. In 8 bits a table holds the value of each byte. Optional
+// members:
 //   arguments           a std::array of the unsigned template arguments of `type`
 //   is_relu             true for max(x, 0) alone: in 8 bits a clamp of bytes; the layer before fuses it
 //   moves_zero          true unless value(0) is 0
+//   takes_vectors       true if the functions take kernels::vector<float> in place of float
+//                       (kernels/simd/special_functions.hpp)
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
+namespace detail {
+
+template <class Function>
+concept takes_vectors = requires {
+    requires Function::takes_vectors;
+};
+/// What the functions take in single precision.
+template <class Function>
+using activation_number = std::conditional_t<takes_vectors<Function>, kernels::vector<float>, float>;
+template <class Function>
+concept needs_input = requires(activation_number<Function> x) {
+    { Function::backward_from_input(x, x) } -> std::same_as<activation_number<Function>>;
+};
+
+} // namespace detail
+
 /// A struct that describes an elementwise activation.
 template <class Function>
-concept activation_function = requires(float x, double y) {
-    { Function::value(x) } -> std::same_as<float>;
+concept activation_function = requires(detail::activation_number<Function> x, double y) {
+    { Function::value(x) } -> std::same_as<detail::activation_number<Function>>;
     { Function::value(y) } -> std::same_as<double>;
-    { Function::backward(x, x) } -> std::same_as<float>;
+    requires detail::needs_input<Function> || requires {
+        { Function::backward(x, x) } -> std::same_as<detail::activation_number<Function>>;
+    };
     { Function::name } -> std::convertible_to<const char*>;
     { Function::title } -> std::convertible_to<const char*>;
     { Function::type } -> std::convertible_to<const char*>;

@@ -32,7 +32,7 @@ struct square_root {
         static constexpr std::size_t elements = Input.size() * kernels::lanes<T>;
 
         static void forward_block(const T* in, T* out) {
-            kernels::shifted_root_forward(static_cast<T>(offset), in, out, elements);
+            kernels::transform_vectors(kernels::shifted_root(static_cast<T>(offset)), elements, out, in);
         }
         static void backward_block(const T*, const T* out, const T* out_gradient, T* in_gradient) {
             kernels::shifted_root_backward(static_cast<T>(offset), out, out_gradient, in_gradient, elements);

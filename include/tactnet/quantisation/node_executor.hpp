@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <limits>
 #include <span>
+#include <type_traits>
 #include <utility>
 
 // The operators of the calibration graph, as plain loops in single precision; node_executor has convolutions
@@ -44,8 +45,9 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 }
 template <class Function>
 [[gnu::cold]] void reference_activation(const graph_node& step, const float*, const float* in, float* out) {
+    using number = std::conditional_t<takes_vectors<Function>, double, float>;
     for (std::size_t e = 0; e < step.from.size(); ++e)
-        out[e] = Function::value(in[e]);
+        out[e] = static_cast<float>(Function::value(static_cast<number>(in[e])));
 }
 [[gnu::cold]] inline void reference_square_root(const graph_node& step, const float*, const float* in,
                                                 float* out) {

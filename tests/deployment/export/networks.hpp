@@ -33,7 +33,9 @@ using mixed_network = tactnet::network<
                                     tactnet::conv2d<6, 1>, tactnet::relu,
                                     tactnet::conv2d<5, 3, 1, tactnet::padding::same, tactnet::without_bias>>,
                                 tactnet::identity_layer>>,
-    tactnet::local_response_norm<>, tactnet::square_root<>, tactnet::average_pool<2, 1>, tactnet::dense<3>,
+    tactnet::local_response_norm<>, tactnet::square_root<>, tactnet::leaky_relu<200>, tactnet::relu6,
+    tactnet::hard_swish, tactnet::hard_sigmoid, tactnet::silu, tactnet::gelu, tactnet::sigmoid,
+    tactnet::hyperbolic_tangent, tactnet::softplus, tactnet::average_pool<2, 1>, tactnet::dense<3>,
     tactnet::softmax>;
 
 /// More memory than a stack should hold, and a step that is not among those of deployment/.

@@ -136,6 +136,15 @@ reference_pointer reference_local_response_norm(extents3 input, std::size_t size
 reference_pointer reference_softmax(extents3 input);
 /// √(x + offset) − √offset, 0 for x below 0.
 reference_pointer reference_square_root(extents3 input, double offset);
+/// An elementwise function in double, its derivative, and how far results may lie from them, in units
+/// roundoff.
+struct reference_function {
+    double (*value)(double);
+    double (*derivative)(double);
+    double value_roundings = 0, derivative_roundings = 0;
+    double largest_slope = 1;
+};
+reference_pointer reference_activation(extents3 input, const reference_function& function);
 /// Dropout of nothing, and any dropout after training.
 reference_pointer reference_identity(extents3 input);
 reference_pointer reference_sequence(extents3 input, std::vector<reference_pointer> layers);

@@ -67,6 +67,39 @@ private:
     double offset_;
 };
 
+class activation final : public sample_by_sample {
+public:
+    activation(extents3 size, const reference_function& function) : function_(function) {
+        input = output = size;
+    }
+
+    [[nodiscard]] sample output_of(const reference_call& call, const sample& in) const override {
+        sample out = in;
+        for (bounded& b : out) {
+            const double roundings = function_.value_roundings;
+            b = {function_.value(b.value), b.error * function_.largest_slope,
+                 b.deviation * function_.largest_slope};
+            b.error += accumulated(call.roundoff, roundings) * magnitude(b) + lost;
+            b.deviation = std::sqrt(square(b.deviation) + drift(call, roundings, b.value)) + lost;
+        }
+        return out;
+    }
+    [[nodiscard]] sample gradient_of(const reference_call& call, const sample& in,
+                                     const sample& out_gradient) const override {
+        sample g = out_gradient;
+        for (std::size_t i = 0; i < input.size(); ++i) {
+            const double slope = function_.derivative(in[i].value);
+            g[i].error = std::abs(slope) * g[i].error +
+                         accumulated(call.roundoff, function_.derivative_roundings) * std::abs(g[i].value);
+            g[i].value *= slope;
+        }
+        return g;
+    }
+
+private:
+    reference_function function_;
+};
+
 class max_pool final : public sample_by_sample {
 public:
     explicit max_pool(const reference_window& window) : window_(window) {
@@ -228,6 +261,9 @@ reference_pointer reference_max_pool(const reference_window& window) {
 }
 reference_pointer reference_square_root(extents3 input, double offset) {
     return std::make_unique<square_root>(input, offset);
+}
+reference_pointer reference_activation(extents3 input, const reference_function& function) {
+    return std::make_unique<activation>(input, function);
 }
 sample bounded_max_pool(const reference_window& window, const sample& in) {
     return max_pool(window).output_of({}, in);

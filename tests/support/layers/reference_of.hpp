@@ -4,7 +4,10 @@
 
 #include <tactnet/layers.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <support/layers/reference.hpp>
 #include <utility>
 #include <vector>
@@ -54,6 +57,83 @@ struct reference_of<tactnet::batch_norm> {
 template <>
 struct reference_of<tactnet::relu> {
     static reference_pointer on(extents3 in) { return reference_relu(in); }
+};
+/// Values and derivatives by the standard library.
+template <unsigned Thousandths>
+struct reference_of<tactnet::leaky_relu<Thousandths>> {
+    static constexpr double slope = Thousandths / 1000.0;
+    static reference_pointer on(extents3 in) {
+        // The slope is rounded, and the product.
+        return reference_activation(in, {[](double x) { return x > 0 ? x : slope * x; },
+                                         [](double x) { return x > 0 ? 1 : slope; }, 2, 2});
+    }
+};
+template <>
+struct reference_of<tactnet::relu6> {
+    static reference_pointer on(extents3 in) {
+        return reference_activation(in, {[](double x) { return std::clamp(x, 0.0, 6.0); },
+                                         [](double x) { return x > 0 && x < 6 ? 1.0 : 0.0; }});
+    }
+};
+template <>
+struct reference_of<tactnet::hard_sigmoid> {
+    static double value(double x) { return std::clamp((x + 3) / 6, 0.0, 1.0); }
+    static reference_pointer on(extents3 in) {
+        return reference_activation(
+            in, {value, [](double x) { return std::abs(x) < 3 ? 1 / 6.0 : 0.0; }, 2, 1, 1 / 6.0});
+    }
+};
+template <>
+struct reference_of<tactnet::hard_swish> {
+    static reference_pointer on(extents3 in) {
+        // The derivative is x/3 + 1/2, whose terms may cancel: its error is relative to the larger of them.
+        return reference_activation(
+            in, {[](double x) { return x * std::clamp((x + 3) / 6, 0.0, 1.0); },
+                 [](double x) { return x <= -3  ? 0.0
+                                       : x >= 3 ? 1.0
+                                                : (2 * x + 3) / 6; }, 3, 4, 1.5});
+    }
+};
+template <>
+struct reference_of<tactnet::sigmoid> {
+    static double value(double x) { return 1 / (1 + std::exp(-x)); }
+    static reference_pointer on(extents3 in) {
+        return reference_activation(in, {value, [](double x) { return value(x) * value(-x); }, 8, 8, 0.25});
+    }
+};
+template <>
+struct reference_of<tactnet::silu> {
+    using sigmoid = reference_of<tactnet::sigmoid>;
+    static double derivative(double x) { return sigmoid::value(x) * (1 + x * sigmoid::value(-x)); }
+    static reference_pointer on(extents3 in) {
+        return reference_activation(
+            in, {[](double x) { return x * sigmoid::value(x); }, derivative, 10, 24, 1.1});
+    }
+};
+template <>
+struct reference_of<tactnet::hyperbolic_tangent> {
+    static double derivative(double x) { return 1 / (std::cosh(x) * std::cosh(x)); }
+    static reference_pointer on(extents3 in) {
+        return reference_activation(in, {[](double x) { return std::tanh(x); }, derivative, 4, 8});
+    }
+};
+template <>
+struct reference_of<tactnet::softplus> {
+    static reference_pointer on(extents3 in) {
+        return reference_activation(in, {[](double x) { return std::log1p(std::exp(x)); },
+                                         reference_of<tactnet::sigmoid>::value, 8, 24});
+    }
+};
+template <>
+struct reference_of<tactnet::gelu> {
+    static double distribution(double x) { return std::erfc(-x / std::sqrt(2.0)) / 2; }
+    static double derivative(double x) {
+        return distribution(x) + x * std::exp(-x * x / 2) / std::sqrt(2 * std::numbers::pi);
+    }
+    static reference_pointer on(extents3 in) {
+        return reference_activation(in,
+                                    {[](double x) { return x * distribution(x); }, derivative, 16, 32, 1.13});
+    }
 };
 template <tactnet::extent2d Window, tactnet::extent2d Stride, tactnet::padding Padding>
 struct reference_of<tactnet::max_pool<Window, Stride, Padding>> {

@@ -64,8 +64,11 @@ struct activation_step<single_precision, Function, Map, Stride> : step_base<sing
         return std::max({input, std::abs(Function::value(input)), std::abs(Function::value(-input))});
     }
     static void run(const float*, const float* in, float* out, float*) noexcept {
-        for (std::size_t e = 0; e < Map.area() * Stride; ++e)
-            out[e] = Function::value(in[e]);
+        if constexpr (detail::takes_vectors<Function>)
+            kernels::transform_map<Map.area() * Stride>([](auto x) { return Function::value(x); }, in, out);
+        else
+            for (std::size_t e = 0; e < Map.area() * Stride; ++e)
+                out[e] = Function::value(in[e]);
         if constexpr (detail::moves_zero<Function> && Map.channels < Stride)
             for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride)
                 std::fill(out + pixel + Map.channels, out + pixel + Stride, 0.0f);
@@ -90,7 +93,8 @@ struct square_root_step<single_precision, Map, Stride, Offset> : step_base<singl
     /// x + offset must stay finite too, and roots of small numbers exceed the numbers.
     static double output_bound(const float*, double input) { return std::max(input, 1.0) + offset; }
     static void run(const float*, const float* in, float* out, float*) noexcept {
-        kernels::shifted_roots<Map.area() * Stride>(static_cast<float>(offset), in, out);
+        kernels::transform_map<Map.area() * Stride>(kernels::shifted_root(static_cast<float>(offset)), in,
+                                                    out);
     }
 };
 

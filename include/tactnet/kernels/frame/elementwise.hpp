@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 // Operations on one frame, element by element or pixel by pixel: normalisation of its counts, square roots,
 // local response normalisation.
@@ -49,15 +50,15 @@ template <std::size_t Size, class Count>
     }
 }
 
-/// Square roots of `Count` elements, bit-identical with shifted_root_forward. Both maps are aligned.
+/// output[i] = operation(input[i]) for `Count` elements, vector by vector. Both maps are aligned.
 template <std::size_t Count>
-void shifted_roots(float offset, const float* input, float* output) {
+void transform_map(auto&& operation, const float* input, float* output) {
     constexpr std::size_t whole = Count / lanes<float> * lanes<float>;
-    shifted_root_forward(offset, input, output, whole);
+    transform_vectors(operation, whole, output, input);
     if constexpr (whole < Count) {
         alignas(alignment) std::array<float, lanes<float>> rest{};
         std::copy_n(input + whole, Count - whole, rest.begin());
-        shifted_root_forward(offset, rest.data(), rest.data(), lanes<float>);
+        transform_vectors(operation, lanes<float>, rest.data(), std::as_const(rest).data());
         std::copy_n(rest.begin(), Count - whole, output + whole);
     }
 }

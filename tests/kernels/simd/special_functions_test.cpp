@@ -1,0 +1,101 @@
+#include <tactnet/kernels/simd/special_functions.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+using namespace tactnet;
+using namespace tactnet::kernels;
+
+namespace {
+
+/// The largest error in units in the last place over floats from `first` to `last`, one in 997 of them. Units
+/// do not become smaller than that of the smallest normal number.
+double worst_error(float first, float last, vector<float> (*function)(const vector<float>&),
+                   double (*exact)(double)) {
+    double worst = 0;
+    const auto from = tactnet::detail::bits_as<std::uint32_t>(first),
+               to = tactnet::detail::bits_as<std::uint32_t>(last);
+    for (std::uint32_t bits = std::min(from, to); bits <= std::max(from, to); bits += 997 * lanes<float>) {
+        alignas(alignment) std::array<float, lanes<float>> x, y;
+        for (std::size_t lane = 0; lane < lanes<float>; ++lane)
+            x[lane] = tactnet::detail::bits_as<float>(
+                std::min(bits + 997 * static_cast<std::uint32_t>(lane), std::max(from, to)));
+        store(y.data(), function(load(x.data())));
+        for (std::size_t lane = 0; lane < lanes<float>; ++lane) {
+            const double right = exact(static_cast<double>(x[lane]));
+            const int exponent = std::max(right == 0 ? -126 : std::ilogb(right), -126);
+            worst = std::max(worst,
+                             std::abs(static_cast<double>(y[lane]) - right) / std::ldexp(1.0, exponent - 23));
+        }
+    }
+    return worst;
+}
+double exact_tail(double x) {
+    return std::erfc(x / std::sqrt(2.0)) / 2;
+}
+double relative_error(double found, double exact) {
+    return exact == 0 ? std::abs(found) : std::abs(found / exact - 1);
+}
+
+} // namespace
+
+TEST_CASE("special functions: within their units in the last place, one in 997 floats") {
+    const auto tangent = [](const vector<float>& x) { return hyperbolic_tangent(x); };
+    const auto exact_tangent = [](double x) { return std::tanh(x); };
+    const double errors[] = {
+        worst_error(0, 20, tangent, exact_tangent), worst_error(-0.0F, -20, tangent, exact_tangent),
+        worst_error(
+            0, 1, [](const vector<float>& x) { return log_one_plus(x); },
+            [](double x) { return std::log1p(x); }),
+        worst_error(
+            0, 13, [](const vector<float>& x) { return normal_tail(x); }, exact_tail),
+        worst_error(
+            0, 13, [](const vector<float>& x) { return normal_density(x); },
+            [](double x) { return std::exp(-x * x / 2) / std::sqrt(2 * std::acos(-1.0)); })};
+    const double bounds[] = {2, 2, 2, 6, 4};
+    for (std::size_t f = 0; f < std::size(bounds); ++f) {
+        MESSAGE(f << ": " << errors[f] << " ulp");
+        CHECK(errors[f] <= bounds[f]);
+    }
+}
+
+TEST_CASE("special functions: in double, within 10⁻¹² of the standard library's") {
+    using namespace tactnet::detail;
+    double worst = 0;
+    for (double x = -30; x < 30; x += 0.0037) {
+        worst = std::max(worst, relative_error(exponential(x), std::exp(x)));
+        worst = std::max(worst, relative_error(tactnet::detail::hyperbolic_tangent(x), std::tanh(x)));
+        if (x >= 0) {
+            worst = std::max(worst, relative_error(tactnet::detail::normal_tail(x), exact_tail(x)));
+            worst =
+                std::max(worst, relative_error(tactnet::detail::log_one_plus(x / 30), std::log1p(x / 30)));
+        }
+    }
+    MESSAGE("largest relative error: " << worst);
+    CHECK(worst <= 1e-12);
+}
+
+TEST_CASE("special functions: constexpr, with the limits at the ends, NaN stays NaN") {
+    using tactnet::detail::exponential, tactnet::detail::hyperbolic_tangent, tactnet::detail::normal_tail;
+    static_assert(exponential(0.0) == 1 && exponential(-1e9) == 0);
+    static_assert(exponential(709.7) > 1e308 && exponential(710.0) > std::numeric_limits<double>::max());
+    static_assert(hyperbolic_tangent(0.0) == 0 && hyperbolic_tangent(100.0) == 1 &&
+                  hyperbolic_tangent(-1e300) == -1);
+    static_assert(normal_tail(0.0) == 0.5 && normal_tail(50.0) == 0);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    CHECK(std::isnan(exponential(nan)));
+    CHECK(std::isnan(hyperbolic_tangent(nan)));
+    CHECK(std::isnan(normal_tail(nan)));
+    const float large = std::numeric_limits<float>::max();
+    alignas(alignment) std::array<float, lanes<float>> x, y;
+    x.fill(large);
+    store(y.data(), kernels::normal_tail(load(x.data())));
+    CHECK(y[0] == 0);
+}
