@@ -6,7 +6,7 @@
 namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// x · Φ(x), where Φ is the standard normal distribution (Hendrycks, Gimpel, "Gaussian error linear units",
-/// 2016): PyTorch's GELU without approximation. Within 8 units in the last place; 0 below −13.2.
+/// 2016): PyTorch's GELU without approximation. Within 10 units in the last place; 0 below −13.2.
 struct gelu_function {
     static constexpr const char *name = "gelu", *title = "GELU", *type = "tactnet::gelu_function",
                                 *header = "tactnet/layers/activations/gelu.hpp";

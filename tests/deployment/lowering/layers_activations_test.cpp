@@ -15,7 +15,7 @@ using clamped = network<shape{5, 6, 3}, conv2d<7, 3>, hard_swish, conv2d<6, 3>, 
 
 } // namespace
 
-TEST_CASE("activations: deployed within the derived bound") {
+TEST_CASE("deployed: activations within the derived bound") {
     for (const support::error_shares& errors :
          {support::errors_of<smooth>(51, 5), support::errors_of<clamped>(52, 5)}) {
         MESSAGE(errors);
@@ -23,7 +23,7 @@ TEST_CASE("activations: deployed within the derived bound") {
     }
 }
 
-TEST_CASE("activations: in 8 bits the bits of the plain reference") {
+TEST_CASE("deployed: activations in 8 bits give the bits of the plain reference") {
     CHECK(support::frames_that_differ<smooth>(53, 10) == 0);
     CHECK(support::frames_that_differ<clamped>(54, 10) == 0);
 }
