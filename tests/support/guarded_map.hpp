@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 namespace support {
 
@@ -42,8 +43,8 @@ private:
     tactnet::aligned_vector<float> memory_;
 };
 
-/// Numbers of either precision, NaN at first, between two guards of NaN: what is read there is seen in the
-/// result, and `untouched` tells whether something was written.
+/// Numbers of either precision, NaN at first, between two guards of NaN: what is read there shows in the
+/// result, and `untouched` returns false if something was written.
 template <class T>
 class guarded_numbers {
 public:
@@ -63,5 +64,13 @@ private:
     std::size_t elements_;
     tactnet::aligned_vector<T> memory_;
 };
+
+/// Fills `numbers` with numbers in [-1, 1), and returns them.
+template <class T>
+std::vector<double> draw_into(guarded_numbers<T>& numbers, std::uint64_t seed) {
+    for (T& number : numbers)
+        number = static_cast<T>(draw(seed));
+    return {numbers.begin(), numbers.end()};
+}
 
 } // namespace support

@@ -22,63 +22,41 @@ using namespace tactnet::kernels;
 
 namespace {
 
-template <class T, sliding_window W, std::size_t Filters, extent2d Outputs>
-void compare(bool biased = true) {
-    constexpr batch_convolution c = batch_convolution::forward(W, Filters);
-    using method = winograd_lane_method<c, T, Outputs>;
-    constexpr std::size_t width = lanes<T>, channels = W.input.channels, taps = W.kernel.area(),
-                          pixels = W.input.area(), outputs = c.output.area();
-    std::uint64_t state = 7;
-    support::guarded_numbers<T> in(W.input.size() * width), packed(method::packed_elements),
-        workspace(method::workspace_elements), out(c.output.size() * width);
-    std::vector<double> weights(Filters * channels * taps);
-    for (double& w : weights)
-        w = static_cast<double>(support::draw(state));
-    for (T& x : in)
-        x = static_cast<T>(support::draw(state));
-    std::vector<T> bias(Filters);
-    for (T& b : bias)
-        b = static_cast<T>(support::draw(state));
-    method::pack(
-        [&](auto f, auto channel, auto row, auto column) {
-            return static_cast<T>(
-                weights[((f * channels + channel) * W.kernel.rows + row) * W.kernel.columns + column]);
-        },
-        packed.data());
-    method::run(packed.data(), biased ? bias.data() : nullptr, in.data(), out.data(), workspace.data());
-    CHECK(packed.untouched());
-    CHECK(workspace.untouched());
-    CHECK(out.untouched());
+/// What the plain loops need of a case. They are compiled once and not for each tile, which halves the
+/// compile time of this file.
+struct convolution_case {
+    support::reference_window window;
+    std::size_t filters, width;
+    support::tile_size tile;
+    double share; ///< the bound of an error relative to the sum of magnitudes
+    std::vector<double> weights, biases;
+};
 
+void check_convolution(const convolution_case& c, const std::vector<double>& in,
+                       const std::vector<double>& found) {
+    const std::size_t channels = c.window.input.channels, pixels = c.window.input.area(),
+                      taps = c.window.kernel_rows * c.window.kernel_columns,
+                      outputs = c.window.output_rows() * c.window.output_columns();
     std::size_t wrong = 0;
     double worst = 0, largest = 0;
-    for (std::size_t lane = 0; lane < width; ++lane) {
-        std::vector<double> sample(W.input.size()), magnitudes(W.input.size()), expected(c.output.size());
+    for (std::size_t lane = 0; lane < c.width; ++lane) {
+        std::vector<double> sample(in.size() / c.width), magnitudes(sample.size()),
+            expected(found.size() / c.width);
         for (std::size_t i = 0; i < sample.size(); ++i) {
-            sample[i] = static_cast<double>(in.data()[i * width + lane]);
+            sample[i] = in[i * c.width + lane];
             magnitudes[i] = std::abs(sample[i]);
         }
-        const support::reference_window window = support::window_of(W);
-        for (std::size_t f = 0; f < Filters; ++f)
-            for (std::size_t channel = 0; channel < channels; ++channel)
-                window.for_each_tap([&](std::size_t to, std::size_t from, std::size_t tap) {
-                    expected[f * outputs + to] +=
-                        weights[(f * channels + channel) * taps + tap] * sample[channel * pixels + from];
-                });
+        for (std::size_t k = 0; k < c.filters * channels; ++k)
+            c.window.for_each_tap([&](std::size_t to, std::size_t from, std::size_t tap) {
+                expected[k / channels * outputs + to] +=
+                    c.weights[k * taps + tap] * sample[k % channels * pixels + from];
+            });
         const std::vector<double> sizes =
-            support::tile_magnitudes(window, Filters, weights, magnitudes, {Outputs.rows, Outputs.columns})
-                .sizes;
-        // G g Gᵀ is taken in double: a rounding of a single number, or up to six in each direction. The sums
-        // by taps that these are held to round too.
-        const double roundings = static_cast<double>(channels) + (sizeof(T) > 4 ? 34 : 23),
-                     share = support::accumulated(support::unit_roundoff<T>, roundings) +
-                             support::accumulated(support::unit_roundoff<double>,
-                                                  static_cast<double>(channels * taps + 1));
+            support::tile_magnitudes(c.window, c.filters, c.weights, magnitudes, c.tile).sizes;
         for (std::size_t o = 0; o < expected.size(); ++o) {
-            const double added = biased ? static_cast<double>(bias[o / outputs]) : 0,
-                         error = std::abs(static_cast<double>(out.data()[o * width + lane]) - expected[o] -
-                                          added),
-                         bound = share * (sizes[o] + std::abs(added));
+            const double added = c.biases[o / outputs],
+                         error = std::abs(found[o * c.width + lane] - expected[o] - added),
+                         bound = c.share * (sizes[o] + std::abs(added));
             wrong += !(error <= bound);
             worst = std::max(worst, error / bound);
             largest = std::max(largest, std::abs(expected[o]));
@@ -87,6 +65,36 @@ void compare(bool biased = true) {
     CAPTURE(worst);
     CHECK(wrong == 0);
     CHECK(largest > 0); // or nothing was compared
+}
+
+template <class T, sliding_window W, std::size_t Filters, extent2d Outputs>
+void compare(bool biased = true) {
+    constexpr batch_convolution c = batch_convolution::forward(W, Filters);
+    using method = winograd_lane_method<c, T, Outputs>;
+    constexpr std::size_t width = lanes<T>, channels = W.input.channels, taps = W.kernel.area();
+    support::guarded_numbers<T> in(W.input.size() * width), weights(Filters * channels * taps), bias(Filters),
+        packed(method::packed_elements), workspace(method::workspace_elements), out(c.output.size() * width);
+    const std::vector<double> image = support::draw_into(in, 7), filters = support::draw_into(weights, 8);
+    std::vector<double> added = support::draw_into(bias, 9);
+    if (!biased)
+        added.assign(Filters, 0);
+    method::pack(
+        [&](auto f, auto channel, auto row, auto column) {
+            return weights
+                .data()[((f * channels + channel) * W.kernel.rows + row) * W.kernel.columns + column];
+        },
+        packed.data());
+    method::run(packed.data(), biased ? bias.data() : nullptr, in.data(), out.data(), workspace.data());
+    CHECK((packed.untouched() && workspace.untouched() && out.untouched()));
+    // G g Gᵀ is taken in double: a rounding of a single number, or up to six in each direction. The sums by
+    // taps that these are held to round too.
+    const double roundings = static_cast<double>(channels) + (sizeof(T) > 4 ? 34 : 23),
+                 share = support::accumulated(support::unit_roundoff<T>, roundings) +
+                         support::accumulated(support::unit_roundoff<double>,
+                                              static_cast<double>(channels * taps + 1));
+    check_convolution(
+        {support::window_of(W), Filters, width, {Outputs.rows, Outputs.columns}, share, filters, added},
+        image, {out.begin(), out.end()});
 }
 
 // 9 filters are one more than a register block, 7 × 11 is no multiple of any tile but one.
