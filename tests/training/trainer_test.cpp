@@ -423,6 +423,20 @@ TEST_CASE("trainer: refuses a split without training images") {
                     std::invalid_argument);
 }
 
+TEST_CASE("trainer: refuses the split of other images, whatever part of it does not fit") {
+    const support::toy_task task(4);
+    thread_pool threads;
+    const char* const told = "images: expected indices below 12 in the split, found 12";
+    CHECK_NOTHROW(training(quick(), task.images(), data_split{{0, 11}, {11}, {}}, 1, threads));
+    CHECK_THROWS_WITH_AS(training(quick(), task.images(), data_split{{0, 12}, {1}, {}}, 1, threads), told,
+                         std::invalid_argument);
+    CHECK_THROWS_WITH_AS(training(quick(), task.images(), data_split{{0}, {12}, {}}, 1, threads), told,
+                         std::invalid_argument);
+    const std::vector<std::size_t> test{12};
+    CHECK_THROWS_WITH_AS(static_cast<void>(evaluate(net(), {}, task.images(), test, threads)), told,
+                         std::invalid_argument);
+}
+
 TEST_CASE("trainer: images that do not fit the network are refused, in training and in evaluation") {
     const support::toy_task task(5);
     thread_pool threads;

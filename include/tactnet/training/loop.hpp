@@ -177,6 +177,7 @@ private:
     const recipe& checked(const recipe& how, const labelled_samples& samples, const data_split& split) const {
         samples.check(network_->input_shape(), network_->outputs());
         samples.check_finite(network_->input_shape());
+        samples.check_indices(split.training);
         samples.check_classes(split.validation);
         how.check();
         if (split.training.empty())

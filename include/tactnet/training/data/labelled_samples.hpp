@@ -171,8 +171,17 @@ public:
             if (label >= classes_ && label != no_class)
                 refuse({"labels below ", classes_}, {label});
     }
-    /// Throws std::invalid_argument if a chosen sample is of no class: such samples are for training alone.
+    /// Throws std::invalid_argument if a chosen sample is not one of these, as with the split of other
+    /// samples.
+    void check_indices(std::span<const std::size_t> chosen) const {
+        for (const std::size_t sample : chosen)
+            if (sample >= size())
+                refuse({"indices below ", size(), " in the split"}, {sample});
+    }
+    /// As `check_indices`, and throws also if a chosen sample is of no class: such samples are for training
+    /// alone.
     void check_classes(std::span<const std::size_t> chosen) const {
+        check_indices(chosen);
         for (const std::size_t sample : chosen)
             if (label(sample) == no_class)
                 refuse({"samples of a class for validation and test"}, {"an outlier, sample ", sample});
