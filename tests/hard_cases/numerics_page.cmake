@@ -188,6 +188,20 @@ endfunction()
 set(note "<!-- Written by the target numerics_page. -->\n")
 set(columns "[How to read the columns](../numerics.md#reading-the-tables)")
 
+# What the cases of each topic have in common.
+set(about_features "k-means with clusters far from zero or equal points; integral images of ten million pixels")
+set(about_images "images of one row, very large and very small scales")
+set(about_loss "logits up to ±3e38, probabilities that underflow, classes without images")
+set("about_batch norm" "variances of zero, means millions of deviations away, a million steps")
+set("about_frames in 8 bits" "whole networks on frames unlike touches, compared with exact integers")
+set(about_frames "whole networks on NaN, infinity, huge, negative and constant frames")
+set(about_underflow "activations and gradients near the smallest normal number")
+set(about_Winograd "tiles of many channels and of several layers")
+set(about_optimisers "huge gradients and rates, ten thousand epochs")
+set(about_simulation "short circuits, broken lines, incompressible layers, forces from 1e-12 to 1e9 N")
+set(about_sums "ten million terms, and terms that cancel")
+set("about_support vector machines" "extreme costs and γ, unbalanced classes, separable probabilities")
+
 # A page per topic.
 set(count 0)
 set(contents "")
@@ -206,7 +220,10 @@ foreach(topic IN LISTS topics)
     math(EXPR count "${count} + ${cases}")
     file_of(file "${topic}")
     output("${TABLES}/${file}" "${text}")
-    string(APPEND contents "| [${title}](numerics/${file}) | ${cases} |\n")
+    if("${about_${topic}}" STREQUAL "")
+        message(FATAL_ERROR "numerics_page.cmake: say what the cases of '${topic}' have in common.")
+    endif()
+    string(APPEND contents "| [${title}](numerics/${file}) | ${about_${topic}} | ${cases} |\n")
 endforeach()
 string(CONCAT text "# Limits of numerical stability\n\n${note}\n${columns}.\n\n"
          "| what | why | naive | tactnet: ${set_titles} |\n|---|---|---|${set_rules}\n")
@@ -216,11 +233,14 @@ foreach(key IN LISTS limits)
     string(APPEND text "| ${topic_${key}}: ${case_${key}} | ${exact_${key}} | ${plain_${key}} |${row}\n")
 endforeach()
 output("${TABLES}/limits.md" "${text}")
-string(APPEND contents "| [Limits](numerics/limits.md) | ${limit_count} |\n")
+string(APPEND contents
+       "| [Limits](numerics/limits.md) | where accuracy is lost although nothing is wrong: how much | ${limit_count} |\n"
+)
 
 # The ten most telling cases: topic, case, what goes wrong.
 list(GET sets 0 first_set)
-string(CONCAT text "## Ten examples\n\nErrors are of the column `${first_set}`. Errors and bounds have the same unit.\n\n"
+string(CONCAT text "## Ten examples\n\nEach error is that of the instruction set `${first_set}`, in the same unit as its bound "
+         "([columns](#reading-the-tables)).\n\n"
          "| case | why it is hard | exact | naive | tactnet | its error | bound |\n|---|---|---|---|---|---|---|\n")
 macro(telling topic case why)
     table_key(key "${topic}" "${case}")
@@ -245,7 +265,7 @@ telling("features" "two clusters at 1e4, 1 apart: points assigned to the wrong c
 telling("support vector machines" "pairwise probabilities of exactly 0 and 1: their sum" "the coupling divides by zero")
 telling("simulation" "resistors, one tactel shorted, floating lines" "conductances differ by a factor of 10⁷")
 
-string(APPEND text "\n## All tables\n\n| table | cases |\n|---|---|\n${contents}\n"
+string(APPEND text "\n## All tables\n\n| table | what is hard | cases |\n|---|---|---|\n${contents}\n"
        "## Measured on\n\n| column | instruction set | compiler | processor |\n|---|---|---|---|\n${built}")
 
 string(LENGTH "${begin}" length)
