@@ -35,7 +35,8 @@ TEST_CASE("recording: frames in a size known when running, and when compiling") 
     CHECK(recording.as<shape{1, 2, 1}>(0)(0, 0) == 1);
     CHECK_THROWS_WITH_AS(static_cast<void>(recording.as<shape{28, 50, 1}>(0)),
                          "recording: expected frames of 28 x 50, found 1 x 2", std::invalid_argument);
-    CHECK_THROWS_AS(static_cast<void>(recording[2]), std::out_of_range);
+    CHECK_THROWS_WITH_AS(static_cast<void>(recording[2]), "recording: expected a frame below 2, found 2",
+                         std::out_of_range);
 }
 
 TEST_CASE("recording: files: refused when damaged, or read as far as they are whole") {

@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,7 +37,10 @@ public:
     [[nodiscard]] std::size_t size() const noexcept { return stamps_.size(); }
     /// Frame `index`, counted from 0, as a view into the recording. Throws std::out_of_range.
     [[nodiscard]] frame_view operator[](std::size_t index) const& {
-        const auto& [number, seconds] = stamps_.at(index);
+        if (index >= size())
+            throw std::out_of_range(
+                detail::joined({"recording: expected a frame below ", size(), ", found ", index}));
+        const auto& [number, seconds] = stamps_[index];
         const std::size_t cells = description.cells();
         return {number, seconds, description.rows, description.columns,
                 std::span(cells_).subspan(index * cells, cells)};
