@@ -238,7 +238,7 @@ TEST_CASE("load_deployed: a file in the other number format is rejected, and the
     CHECK_THROWS_WITH_AS(
         static_cast<void>(load_model<net>(whole)),
         "net.safetensors: metadata 'bits': expected weights in single precision, found '8': a "
-        "network in 8 bits, which load_deployed reads",
+        "network in 8 bits, which load_deployed<network, eight_bit> reads",
         file_error);
     const auto says = [&](const char* key, const char* value) {
         return changed(whole, {{}, [&](safetensors_writer& w) { w.metadata[key] = value; }});

@@ -93,6 +93,12 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
     d.epsilon = detail::number_in<double>(file, "epsilon", "a positive number", ours);
     if (!ours)
         return d;
+    if (file.find_metadata("classes") == nullptr)
+        detail::throw_file_error(file.file(), {"metadata 'classes'"}, {"names as a JSON array"},
+                                 {file.find_metadata("machine") == nullptr
+                                      ? "none"
+                                      : "none: a support vector machine, for load_kernel_machine or "
+                                        "load_linear_machine"});
     const std::string classes = text("classes"), input = text("input");
     json_scanner scanner(classes, detail::joined({file.file(), ": metadata 'classes'"}), 0);
     scanner.array([&] { d.classes.push_back(scanner.string()); });

@@ -94,7 +94,7 @@ class_names(const safetensors_index& file, std::vector<std::string> names, std::
     model_description d = describe_model(file);
     if (d.bits)
         detail::throw_file_error(file.file(), {"metadata 'bits'"}, {"weights in single precision"},
-                                 {"'8': a network in 8 bits, which load_deployed reads"});
+                                 {"'8': a network in 8 bits, which load_deployed<network, eight_bit> reads"});
     detail::require_size(file, d, input);
     stored_model m;
     const std::size_t classes = stored_classes(file, arrays);
