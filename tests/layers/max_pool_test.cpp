@@ -114,3 +114,6 @@ TEST_CASE("max_pool: ceil mode completes the last window") {
 TEST_CASE("max_pool: ceil mode beside padding that was given, windows apart") {
     check_layer<max_pool<3, 5, ceil_mode(pad(1))>, shape{6, 4, 1}>();
 }
+TEST_CASE("max_pool: of each whole channel") {
+    check_layer<global_max_pool, shape{5, 7, 3}>();
+}

@@ -74,4 +74,18 @@ struct max_pool {
     };
 };
 
+/// The largest value of each channel.
+struct global_max_pool {
+    static constexpr std::string_view name = "pool";
+    static constexpr bool numbered = true;
+
+    static constexpr layer_costs costs(const shape& input) {
+        return {.output = {1, 1, input.channels}, .keeps_output = true};
+    }
+
+    template <class T, shape Input>
+    using layer = typename max_pool<extent2d(Input.rows, Input.columns), 1,
+                                    padding::valid>::template layer<T, Input>;
+};
+
 }} // namespace tactnet

@@ -23,7 +23,7 @@ TEST_CASE("deployed: pools that overlap, cut, complete or keep the image, on eit
                         conv2d<12, 3>, batch_norm, max_pool<2, 2, padding::valid>, relu, // cut
                         conv2d<8, 3>, relu, max_pool<3, 2>, max_pool<2, 1>,              // overlap, stride 1
                         conv2d<20, 2>, max_pool<2>, max_pool<extent2d(1, 2)>, relu,      // completed, twice
-                        batch_norm, dense<5>>;
+                        batch_norm, global_max_pool, dense<5>>;
     const support::error_shares errors = support::errors_of<net>(22, 5);
     MESSAGE(errors);
     CHECK(errors.good());

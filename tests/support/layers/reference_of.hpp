@@ -141,6 +141,12 @@ struct reference_of<tactnet::max_pool<Window, Stride, Padding>> {
         return reference_max_pool(window_over(in, Window, Stride, Padding));
     }
 };
+template <>
+struct reference_of<tactnet::global_max_pool> {
+    static reference_pointer on(extents3 in) {
+        return reference_max_pool({in, in.rows, in.columns, 1, 1, 0, 0, 0, 0});
+    }
+};
 template <tactnet::extent2d Window, tactnet::extent2d Stride, tactnet::padding Padding>
 struct reference_of<tactnet::norm_relu_pool<Window, Stride, Padding>> {
     static reference_pointer on(extents3 in) {

@@ -127,12 +127,22 @@ struct lowering<softmax> {
     using at = lowered_to<softmax_step<typename Place::format, Place::layer::output, Place::input_stride>>;
 };
 
+/// The lowering of max pools.
+template <class Place>
+using lowered_max_pool =
+    lowered_to<pool_step<typename Place::format, Place::layer::window, Place::input_stride>>;
+
 template <extent2d Window, extent2d Stride, padding Padding>
 struct lowering<max_pool<Window, Stride, Padding>> {
     template <class Place>
     static constexpr sliding_window maximum = Place::layer::window;
     template <class Place>
-    using at = lowered_to<pool_step<typename Place::format, Place::layer::window, Place::input_stride>>;
+    using at = lowered_max_pool<Place>;
+};
+template <>
+struct lowering<global_max_pool> {
+    template <class Place>
+    using at = lowered_max_pool<Place>;
 };
 
 /// The lowering of average pools.
