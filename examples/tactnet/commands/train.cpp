@@ -207,7 +207,7 @@ output_files files_for(const method& what, const train_options& o) {
     check_outputs({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs, o.data);
     files.claimed = std::make_unique<claims>();
     for (const auto& [of, path] : claimed)
-        if (!files.claimed->take(path))
+        if (!files.claimed->take_soon(path))
             refuse("{}: expected a file that no other program is about to write, found another training at "
                    "work on {}",
                    of, printable(path.string()));

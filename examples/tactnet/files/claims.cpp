@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <fcntl.h>
 #include <string_view>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
+#include <thread>
 #include <unistd.h>
 
 namespace {
@@ -82,6 +84,14 @@ bool claims::take(const std::filesystem::path& name) {
         }
         ::close(descriptor);
     }
+}
+
+bool claims::take_soon(const std::filesystem::path& name) {
+    using namespace std::chrono_literals;
+    for (int tries = 0; tries < 50; ++tries, std::this_thread::sleep_for(10ms))
+        if (take(name))
+            return true;
+    return false;
 }
 
 void claims::release(const std::filesystem::path& name) {

@@ -20,6 +20,9 @@ public:
 
     /// Returns false if another holds the name. Makes its folder, if there is none.
     bool take(const std::filesystem::path& name);
+    /// Waits up to half a second for the name: what a program that was killed has just started, such as a
+    /// plot, holds its locks a moment longer.
+    bool take_soon(const std::filesystem::path& name);
     void release(const std::filesystem::path& name);
 
 private:

@@ -296,6 +296,18 @@ TEST_SUITE("program") {
         CHECK(fs::is_empty(folder.path()));
     }
 
+    TEST_CASE("claims: a name that its holder is about to give up is waited for") {
+        const support::temporary_folder folder;
+        claims first, second;
+        REQUIRE(first.take(folder / "net"));
+        CHECK_FALSE(second.take(folder / "net"));
+        const std::jthread ends([&] {
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            first.release(folder / "net");
+        });
+        CHECK(second.take_soon(folder / "net"));
+    }
+
     TEST_CASE("evaluate: the claim of a program that was killed just before its end is removed") {
         const workshop shop;
         const words arguments(
