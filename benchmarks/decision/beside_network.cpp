@@ -48,7 +48,7 @@ struct stages {
     gain_monitor gain{force_statistics{9, 0.5}};
     touch_evidence<classes> evidence{classes, {0.7}};
     prediction_set set{{0.7}, 0.05};
-    discriminant<256, dimensions> project;
+    discriminant<256, dimensions> map;
     class_means<dimensions, classes> means;
 };
 
@@ -84,7 +84,7 @@ std::size_t with_stages(const Network& network, std::span<const frame> touches,
         decided += all.evidence.decide(0.01).has_value();
         decided += all.set.predict(logits, members);
         network.read_features(memory, features);
-        decided += all.means.nearest(all.project(features))->index;
+        decided += all.means.nearest(all.map.project(features))->index;
     }
     return sum;
 }
@@ -98,7 +98,7 @@ bool measure(const char* name, const Network& network) {
     const auto all = std::make_unique<stages>();
     for (std::size_t d = 0; d < dimensions; ++d)
         for (std::size_t f = 0; f < 256; ++f)
-            all->project.directions[f * dimensions + d] = static_cast<float>((f * 7 + d * 3) % 11) - 5;
+            all->map.directions[f * dimensions + d] = static_cast<float>((f * 7 + d * 3) % 11) - 5;
     for (int i = 0; i < 50; ++i)
         all->health.learn(frame{});
     for (std::size_t c = 0; c < classes; ++c) {

@@ -87,7 +87,7 @@ struct fitted {
     std::unique_ptr<projection> map;
     class_means<dimensions, objects> means;
 
-    [[nodiscard]] projection::point point(const response& one) const { return (*map)(one.values); }
+    [[nodiscard]] projection::point point(const response& one) const { return map->project(one.values); }
     [[nodiscard]] nearest_class nearest(const response& one) const { return *means.nearest(point(one)); }
 };
 /// By single views of the training images.

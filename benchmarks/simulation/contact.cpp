@@ -94,7 +94,7 @@ entry pad_entry(std::string name, double thickness, const map& pressures) {
 entry convolution_entry() {
     using convolution = tactnet::kernels::symmetric_convolution<size>;
     struct transform {
-        convolution convolve;
+        convolution convolver;
         convolution::spectrum spectrum;
         tactnet::aligned_vector<double> from, to;
     };
@@ -104,9 +104,9 @@ entry convolution_entry() {
                                               tactnet::aligned_vector<double>(convolution::size, 0.0),
                                               tactnet::aligned_vector<double>(convolution::size, 0.0)});
     const auto kernel = [](std::size_t y, std::size_t x) { return half_space_influence(y, x, 1); };
-    all->spectrum = all->convolve.spectrum_of(kernel);
+    all->spectrum = all->convolver.spectrum_of(kernel);
     all->from[10 * convolution::stride + 20] = 1;
-    return {"convolution", [=] { all->convolve(all->spectrum, all->from.data(), all->to.data()); },
+    return {"convolution", [=] { all->convolver.convolve(all->spectrum, all->from.data(), all->to.data()); },
             [=] { return std::abs(all->to[12 * convolution::stride + 27] - kernel(2, 7)) < 1e-12; }};
 }
 

@@ -97,22 +97,22 @@ TEST_CASE("fit_discriminant: unit covariance within classes, and classes apart t
     const auto map = fit_discriminant<size, dimensions>(training.features, training.labels, classes, 1e-6);
     class_means<dimensions, classes> means;
     for (std::size_t i = 0; i < training.labels.size(); ++i)
-        REQUIRE(means.learn(training.labels[i], (*map)(training[i])));
+        REQUIRE(means.learn(training.labels[i], map->project(training[i])));
     std::size_t right = 0;
     std::array<std::array<double, dimensions>, classes> sums{};
     for (std::size_t i = 0; i < test.labels.size(); ++i)
-        right += means.nearest((*map)(test[i]))->index == test.labels[i];
+        right += means.nearest(map->project(test[i]))->index == test.labels[i];
     CHECK(right > 1960); // 98 %; by the features themselves noise of 10 hides a distance of 6
     for (std::size_t i = 0; i < training.labels.size(); ++i)
         for (std::size_t d = 0; d < dimensions; ++d)
-            sums[training.labels[i]][d] += static_cast<double>((*map)(training[i])[d]) / 800;
+            sums[training.labels[i]][d] += static_cast<double>(map->project(training[i])[d]) / 800;
     std::array<std::array<double, dimensions>, dimensions> covariance{};
     for (std::size_t i = 0; i < training.labels.size(); ++i)
         for (std::size_t a = 0; a < dimensions; ++a)
             for (std::size_t b = 0; b < dimensions; ++b)
                 covariance[a][b] +=
-                    (static_cast<double>((*map)(training[i])[a]) - sums[training.labels[i]][a]) *
-                    (static_cast<double>((*map)(training[i])[b]) - sums[training.labels[i]][b]) / 4000;
+                    (static_cast<double>(map->project(training[i])[a]) - sums[training.labels[i]][a]) *
+                    (static_cast<double>(map->project(training[i])[b]) - sums[training.labels[i]][b]) / 4000;
     for (std::size_t a = 0; a < dimensions; ++a)
         for (std::size_t b = 0; b < dimensions; ++b)
             CHECK(std::abs(covariance[a][b] - (a == b ? 1 : 0)) < 0.01);
@@ -125,7 +125,7 @@ TEST_CASE(
     std::array<double, dimensions> sums{};
     std::array<std::array<double, size>, classes> means{};
     for (std::size_t i = 0; i < 1000; ++i) {
-        const auto point = (*map)(training[i]);
+        const auto point = map->project(training[i]);
         for (std::size_t d = 0; d < dimensions; ++d)
             sums[d] += static_cast<double>(point[d]) / 1000;
         for (std::size_t f = 0; f < size; ++f)
@@ -146,7 +146,7 @@ TEST_CASE(
                 first[f] = static_cast<float>(means[a][f]), second[f] = static_cast<float>(means[b][f]);
                 apart += (means[a][f] - means[b][f]) * (means[a][f] - means[b][f]) / variance;
             }
-            const auto p = (*map)(first), q = (*map)(second);
+            const auto p = map->project(first), q = map->project(second);
             for (std::size_t d = 0; d < dimensions; ++d)
                 projected += std::pow(static_cast<double>(p[d]) - static_cast<double>(q[d]), 2);
             CHECK(projected == doctest::Approx(apart).epsilon(1e-4));

@@ -265,13 +265,14 @@ TEST_CASE("sigmoid: separable values, and values of any size") {
         (800 * (0.75 - p(800)) + 900 * (0.75 - p(900)) > 0 ? low : high) = slope;
     }
     hold("support vector machines", "sigmoid of separable values: P(first) at 800", unit::absolute,
-         {1 / (1 + std::exp(-low * 800)), static_cast<double>(1 / (1 + std::exp(-800.0f))), fitted(800),
-          1e-5 * 800 / (4 * 800.0 * 800.0)});
+         {1 / (1 + std::exp(-low * 800)), static_cast<double>(1 / (1 + std::exp(-800.0f))),
+          fitted.probability(800), 1e-5 * 800 / (4 * 800.0 * 800.0)});
     const sigmoid steep{1, 0};
     hold("support vector machines", "sigmoid of 1000", unit::absolute,
-         {0, static_cast<double>(1 / (1 + std::exp(1000.0f))), steep(1000), 0});
+         {0, static_cast<double>(1 / (1 + std::exp(1000.0f))), steep.probability(1000), 0});
     hold("support vector machines", "sigmoid of 700", unit::relative,
-         {std::exp(-700.0), static_cast<double>(1 / (1 + std::exp(700.0f))), steep(700), 5 * 0x1p-53});
+         {std::exp(-700.0), static_cast<double>(1 / (1 + std::exp(700.0f))), steep.probability(700),
+          5 * 0x1p-53});
 }
 
 namespace {

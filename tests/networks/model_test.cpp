@@ -55,7 +55,7 @@ TEST_CASE("model: logits of normalised images, a row of all outputs each") {
     m.network.prepare(threads, space);
     std::size_t different = 0;
     for (std::size_t i = 0; i < 21; ++i) {
-        in.set(0, m.normalise(std::span(pixels).subspan(i * size.size()).first<size.size()>()));
+        in.set(0, m.normalise.apply(std::span(pixels).subspan(i * size.size()).first<size.size()>()));
         m.network.logits(in, out, threads, space);
         for (std::size_t o = 0; o < net::outputs; ++o)
             different += found[i * net::outputs + o] != out(0, o);

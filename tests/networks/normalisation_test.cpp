@@ -40,12 +40,12 @@ TEST_CASE("normalisation: (count − mean) × scale") {
     normalisation<size> n;
     const std::array<std::uint8_t, 6> counts{0, 1, 128, 254, 255, 7};
     for (std::size_t e = 0; e < 6; ++e)
-        CHECK(n(counts).data()[e] == counts[e]); // as it is, to begin with
+        CHECK(n.apply(counts).data()[e] == counts[e]); // as it is, to begin with
     n.scale = 1.0f / 255;
-    CHECK(n(counts).data()[4] == 255 * (1.0f / 255));
+    CHECK(n.apply(counts).data()[4] == 255 * (1.0f / 255));
     n.mean.data()[3] = 0.5f;
     n.scale = 2;
-    CHECK(n(counts).data()[3] == 507);
+    CHECK(n.apply(counts).data()[3] == 507);
     tensor<float, size> image;
     image.data()[3] = 1;
     n.apply(image);

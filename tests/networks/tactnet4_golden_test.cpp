@@ -33,8 +33,8 @@ TEST_CASE("tactnet4: the published network gives the published logits" * doctest
     net_type::input_batch in(count);
     net_type::output_batch out(count);
     for (std::size_t i = 0; i < count; ++i)
-        in.set(i, normalise(std::span<const std::uint8_t, size.size()>(images.data() + i * size.size(),
-                                                                       size.size())));
+        in.set(i, normalise.apply(std::span<const std::uint8_t, size.size()>(images.data() + i * size.size(),
+                                                                             size.size())));
     thread_pool threads;
     net_type::workspace space;
     net.prepare(threads, space);

@@ -40,7 +40,7 @@ TEST_CASE("linear_by_products: values are those of a kernel machine of the linea
                                       b = expected.machine.decision_values(fresh.rows(), pool);
             REQUIRE(a.size() == b.size());
             const std::vector<float> standard =
-                parts.standardise ? (*parts.standardise)(fresh.rows()) : fresh.values;
+                parts.standardise ? parts.standardise->apply(fresh.rows()) : fresh.values;
             for (std::size_t i = 0; i < fresh.labels.size(); ++i)
                 for (std::size_t c = 0; c < 4; ++c) {
                     // Both add up single-precision products: at most one rounding of each, and of each sum.

@@ -17,7 +17,7 @@ TEST_CASE("probability: a sigmoid is found again from draws that it made") {
     std::vector<double> values, sides;
     for (std::size_t i = 0; i < 20'000; ++i) {
         values.push_back(random.uniform(-4, 4));
-        sides.push_back(random.uniform() < truth(values.back()) ? 1 : -1);
+        sides.push_back(random.uniform() < truth.probability(values.back()) ? 1 : -1);
     }
     const sigmoid found = fit_sigmoid(values, sides);
     // The inverse of the information matrix of so many draws gives deviations of about 0.03.
@@ -28,7 +28,7 @@ TEST_CASE("probability: a sigmoid is found again from draws that it made") {
     const double high = (many + 1) / (many + 2), low = 1 / (20'000 - many + 2);
     double g1 = 0, g2 = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {
-        const double d = (sides[i] > 0 ? high : low) - found(values[i]);
+        const double d = (sides[i] > 0 ? high : low) - found.probability(values[i]);
         g1 += values[i] * d;
         g2 += d;
     }
@@ -39,13 +39,13 @@ TEST_CASE("probability: a sigmoid is found again from draws that it made") {
 TEST_CASE("probability: values that tell nothing, or all, give finite sigmoids; no exponential overflows") {
     const std::vector<double> sides{1, 1, -1, -1};
     const sigmoid nothing = fit_sigmoid(std::vector<double>{0, 0, 0, 0}, sides);
-    CHECK(nothing(0) == doctest::Approx(0.5).epsilon(1e-3));
+    CHECK(nothing.probability(0) == doctest::Approx(0.5).epsilon(1e-3));
     const sigmoid all = fit_sigmoid(std::vector<double>{1e6, 2e6, -1e6, -2e6}, sides);
     CHECK(std::isfinite(all.slope));
-    CHECK(all(1e6) > 0.5);
-    CHECK(all(-1e6) < 0.5);
-    CHECK(sigmoid{1, 0}(1e5) == 0);
-    CHECK(sigmoid{1, 0}(-1e5) == 1);
+    CHECK(all.probability(1e6) > 0.5);
+    CHECK(all.probability(-1e6) < 0.5);
+    CHECK(sigmoid{1, 0}.probability(1e5) == 0);
+    CHECK(sigmoid{1, 0}.probability(-1e5) == 1);
 }
 
 TEST_CASE("probability: coupling finds probabilities that the pairs agree on") {

@@ -19,7 +19,7 @@ TEST_CASE("standardisation: mean nought and deviation one; constant features are
     }
     const standardisation fitted = standardisation::of(s.rows());
     CHECK(fitted.deviation[1] == 1);
-    const std::vector<float> standard = fitted(s.rows());
+    const std::vector<float> standard = fitted.apply(s.rows());
     for (std::size_t f = 0; f < 3; ++f) {
         double mean = 0, squares = 0;
         for (std::size_t i = 0; i < 1000; ++i)
@@ -29,6 +29,6 @@ TEST_CASE("standardisation: mean nought and deviation one; constant features are
         CHECK(std::abs(mean) < 1e-6);
         CHECK(squares == doctest::Approx(f == 1 ? 0 : 1).epsilon(1e-5));
     }
-    CHECK_THROWS_AS((void)fitted({s.values, 5}), std::invalid_argument);
+    CHECK_THROWS_AS((void)fitted.apply({s.values, 5}), std::invalid_argument);
     CHECK_THROWS_AS((void)standardisation::of({{}, 3}), std::invalid_argument);
 }

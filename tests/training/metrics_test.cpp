@@ -16,15 +16,15 @@ TEST_CASE("confusion_matrix: counts and the rates computed from them") {
     n.add(1, 2);
     n.add(2, 2);
     m.add(n);
-    CHECK(m(0, 0) == 1);
+    CHECK(m.count(0, 0) == 1);
     n.add(0, 0);
     m.add(n);
-    CHECK(m(0, 0) == 2); // the first of all counts, too
-    CHECK(m(1, 2) == 3);
+    CHECK(m.count(0, 0) == 2); // the first of all counts, too
+    CHECK(m.count(1, 2) == 3);
     m = confusion_matrix(3);
     m.add(0, 0), m.add(1, 2), m.add(1, 2), m.add(2, 2);
-    CHECK(m(1, 2) == 2);
-    CHECK(m(2, 1) == 0);
+    CHECK(m.count(1, 2) == 2);
+    CHECK(m.count(2, 1) == 0);
     CHECK(m.total() == 4);
     CHECK(m.correct() == 2);
     CHECK(m.accuracy() == 0.5);

@@ -293,7 +293,8 @@ TEST_CASE(
         net::input_batch in(t.split().training.size());
         net::output_batch out(t.split().training.size());
         for (std::size_t i = 0; i < in.samples(); ++i)
-            in.set(i, t.input_normalisation()(task.images().image<net::input_shape>(t.split().training[i])));
+            in.set(i, t.input_normalisation().apply(
+                          task.images().image<net::input_shape>(t.split().training[i])));
         network.momentum = 1;
         network.prepare(threads, space);
         network.forward(in, out, threads, space);

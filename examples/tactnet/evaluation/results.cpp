@@ -37,7 +37,7 @@ std::string line_of(const training_result& r) {
     std::vector<std::size_t> counts;
     for (std::size_t truth = 0; truth < r.confusion.classes(); ++truth)
         for (std::size_t c = 0; c < r.confusion.classes(); ++c)
-            counts.push_back(r.confusion(truth, c));
+            counts.push_back(r.confusion.count(truth, c));
     nlohmann::ordered_json line;
     line["settings"] = r.settings;
     line["accuracy"] = r.confusion.accuracy();

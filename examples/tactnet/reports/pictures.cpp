@@ -194,7 +194,7 @@ std::string confusion_csv(const tactnet::confusion_matrix& confusion,
     for (std::size_t truth = 0; truth < classes.size(); ++truth) {
         text += '\n' + csv_field(printable(classes[truth]));
         for (std::size_t recognised = 0; recognised < classes.size(); ++recognised)
-            text += ',' + fmt::to_string(confusion(truth, recognised));
+            text += ',' + fmt::to_string(confusion.count(truth, recognised));
     }
     return text + '\n';
 }

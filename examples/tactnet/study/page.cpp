@@ -192,7 +192,7 @@ study_table confusion_table(const study_row& row, split_rule rule) {
         std::vector<std::string>& cells = t.cells.emplace_back();
         cells = {row.classes[truth]};
         for (std::size_t c = 0; c < row.classes.size(); ++c)
-            cells.push_back(count_of(row.confusion(truth, c)));
+            cells.push_back(count_of(row.confusion.count(truth, c)));
     }
     return t;
 }
@@ -300,16 +300,16 @@ std::vector<class_rate> class_rates(const study_row& row) {
         rate.name = row.classes[c];
         std::size_t taken = 0;
         for (std::size_t other = 0; other < count; ++other) {
-            const std::size_t n = row.confusion(c, other);
+            const std::size_t n = row.confusion.count(c, other);
             rate.images += n;
-            taken += row.confusion(other, c);
+            taken += row.confusion.count(other, c);
             if (other != c && n > rate.times) {
                 rate.times = n;
                 rate.taken_for = row.classes[other];
             }
         }
-        rate.sensitivity = share(row.confusion(c, c), rate.images);
-        rate.precision = share(row.confusion(c, c), taken);
+        rate.sensitivity = share(row.confusion.count(c, c), rate.images);
+        rate.precision = share(row.confusion.count(c, c), taken);
     }
     std::ranges::stable_sort(rates, [](const class_rate& a, const class_rate& b) {
         const bool known = !std::isnan(a.worst()), other_known = !std::isnan(b.worst());

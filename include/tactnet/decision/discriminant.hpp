@@ -23,8 +23,8 @@ struct discriminant {
     std::array<float, Features * Dimensions> directions{}; ///< [feature][dimension]
     point offset{};
 
-    /// Features as deployed_view::read_features gives them.
-    [[nodiscard]] point operator()(std::span<const float, Features> features) const noexcept {
+    /// Projects features as deployed_view::read_features gives them.
+    [[nodiscard]] point project(std::span<const float, Features> features) const noexcept {
         point sums = offset;
         // Four products at a time, which need not wait for one another.
         constexpr std::size_t in_fours = Features / 4 * 4;

@@ -68,7 +68,7 @@ public:
 
     /// Takes Features features.
     [[nodiscard]] double operator()(std::span<const float>, std::span<const float> features) const noexcept {
-        const auto nearest = means_->nearest((*map_)(features.template first<Features>()));
+        const auto nearest = means_->nearest(map_->project(features.template first<Features>()));
         return nearest ? nearest->relative_distance : std::numeric_limits<double>::infinity();
     }
 

@@ -43,7 +43,7 @@ struct model {
         typename Network::input_batch in(count);
         typename Network::output_batch out(count);
         for (std::size_t i = 0; i < count; ++i)
-            in.set(i, normalise(images.subspan(i * size).template first<size>()));
+            in.set(i, normalise.apply(images.subspan(i * size).template first<size>()));
         network.prepare(threads, space);
         network.logits(in, out, threads, space);
         std::vector<float> result;

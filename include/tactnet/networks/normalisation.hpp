@@ -34,7 +34,8 @@ struct normalisation {
         for (std::size_t e = 0; e < Shape.size(); ++e)
             image.data()[e] = (image.data()[e] - mean.data()[e]) * scale;
     }
-    [[nodiscard]] tensor<float, Shape> operator()(std::span<const std::uint8_t, Shape.size()> counts) const {
+    /// Returns the normalised counts.
+    [[nodiscard]] tensor<float, Shape> apply(std::span<const std::uint8_t, Shape.size()> counts) const {
         tensor<float, Shape> result;
         for (std::size_t e = 0; e < Shape.size(); ++e)
             result.data()[e] = static_cast<float>(counts[e]);

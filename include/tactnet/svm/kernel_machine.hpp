@@ -193,7 +193,7 @@ private:
         if (parts_.scheme == multiclass::one_versus_rest) {
             std::vector<double> p;
             for (std::size_t c = 0; c < k; ++c)
-                p.push_back(std::max(parts_.sigmoids[c](values[c]), least));
+                p.push_back(std::max(parts_.sigmoids[c].probability(values[c]), least));
             const double sum = std::accumulate(p.begin(), p.end(), 0.0);
             for (double& value : p)
                 value /= sum;
@@ -203,7 +203,8 @@ private:
         std::size_t machine = 0;
         for (std::size_t a = 0; a < k; ++a)
             for (std::size_t b = a + 1; b < k; ++b, ++machine) {
-                const double p = std::clamp(parts_.sigmoids[machine](values[machine]), least, 1 - least);
+                const double p =
+                    std::clamp(parts_.sigmoids[machine].probability(values[machine]), least, 1 - least);
                 pairwise[a * k + b] = p;
                 pairwise[b * k + a] = 1 - p;
             }

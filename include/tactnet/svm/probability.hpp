@@ -17,7 +17,7 @@ struct sigmoid {
     double slope = 0;
     double offset = 0;
 
-    [[nodiscard]] double operator()(double value) const {
+    [[nodiscard]] double probability(double value) const {
         const double z = slope * value + offset;
         // The equivalent expression whose exponential cannot overflow.
         return z >= 0 ? std::exp(-z) / (1 + std::exp(-z)) : 1 / (1 + std::exp(z));
@@ -50,7 +50,7 @@ struct sigmoid {
     for (std::size_t iteration = 0; iteration < max_iterations; ++iteration) {
         double h11 = ridge, h22 = ridge, h21 = 0, g1 = 0, g2 = 0;
         for (std::size_t i = 0; i < values.size(); ++i) {
-            const double p = s(values[i]), d2 = p * (1 - p), d1 = target(i) - p;
+            const double p = s.probability(values[i]), d2 = p * (1 - p), d1 = target(i) - p;
             h11 += values[i] * values[i] * d2;
             h22 += d2;
             h21 += values[i] * d2;

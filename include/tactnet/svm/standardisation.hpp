@@ -48,7 +48,7 @@ struct standardisation {
 
     /// Returns the standardised rows, one after the other. Throws std::invalid_argument for another number of
     /// features.
-    [[nodiscard]] std::vector<float> operator()(feature_rows<> rows) const {
+    [[nodiscard]] std::vector<float> apply(feature_rows<> rows) const {
         const std::size_t features = rows.features();
         if (features != mean.size())
             detail::throw_invalid_argument(
@@ -71,7 +71,7 @@ class standardised_rows {
 public:
     /// The rows must outlive this.
     standardised_rows(feature_rows<> rows, const std::optional<standardisation>& fitted)
-        : values_(fitted ? (*fitted)(rows) : std::vector<float>()),
+        : values_(fitted ? fitted->apply(rows) : std::vector<float>()),
           rows_(fitted ? feature_rows<>(values_, rows.features()) : rows) {}
     // rows_ may refer to values_.
     standardised_rows(const standardised_rows&) = delete;

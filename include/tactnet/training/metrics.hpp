@@ -21,7 +21,8 @@ public:
             counts_[i] += other.counts_[i];
     }
     [[nodiscard]] std::size_t classes() const { return classes_; }
-    [[nodiscard]] std::size_t operator()(std::size_t truth, std::size_t recognised) const {
+    /// How many samples of class `truth` were recognised as another class, or as their own.
+    [[nodiscard]] std::size_t count(std::size_t truth, std::size_t recognised) const {
         return counts_[truth * classes_ + recognised];
     }
     [[nodiscard]] std::size_t total() const {
@@ -33,7 +34,7 @@ public:
     [[nodiscard]] std::size_t correct() const {
         std::size_t sum = 0;
         for (std::size_t c = 0; c < classes_; ++c)
-            sum += (*this)(c, c);
+            sum += count(c, c);
         return sum;
     }
     /// Share of the diagonal; NaN without samples.

@@ -31,10 +31,10 @@ double error_in_roundings() {
             squares += value * value;
             influence += 4 * std::abs(kernel[y * Shape.columns + x]);
         }
-    convolution convolve;
+    convolution convolver;
     const auto spectrum =
-        convolve.spectrum_of([&](std::size_t y, std::size_t x) { return kernel[y * Shape.columns + x]; });
-    convolve(spectrum, from.data(), to.data());
+        convolver.spectrum_of([&](std::size_t y, std::size_t x) { return kernel[y * Shape.columns + x]; });
+    convolver.convolve(spectrum, from.data(), to.data());
 
     const auto apart = [](std::size_t a, std::size_t b) { return a > b ? a - b : b - a; };
     double worst = 0;
@@ -49,7 +49,7 @@ double error_in_roundings() {
             worst = error <= worst ? worst : error;
         }
     // Again, with the result in place of the input: the same bits.
-    convolve(spectrum, from.data(), from.data());
+    convolver.convolve(spectrum, from.data(), from.data());
     for (std::size_t row = 0; row < Shape.rows; ++row)
         for (std::size_t column = 0; column < Shape.columns; ++column)
             CHECK(from[row * convolution::stride + column] == to[row * convolution::stride + column]);
@@ -68,12 +68,12 @@ TEST_CASE("symmetric_convolution: the fast one is the sum written out") {
 TEST_CASE("symmetric_convolution: nothing wraps around the edges") {
     constexpr shape size{5, 11};
     using convolution = symmetric_convolution<size>;
-    convolution convolve;
+    convolution convolver;
     const auto spectrum =
-        convolve.spectrum_of([](std::size_t y, std::size_t x) { return y == 4 || x == 10 ? 1.0 : 0.0; });
+        convolver.spectrum_of([](std::size_t y, std::size_t x) { return y == 4 || x == 10 ? 1.0 : 0.0; });
     aligned_vector<double> map(convolution::size, 0.0);
     map[0] = 1;
-    convolve(spectrum, map.data(), map.data());
+    convolver.convolve(spectrum, map.data(), map.data());
     for (std::size_t y = 0; y < size.rows; ++y)
         for (std::size_t x = 0; x < size.columns; ++x)
             CHECK(map[y * convolution::stride + x] ==

@@ -42,14 +42,14 @@ TEST_CASE("bonded_layer: all cells pressed alike sink as a layer does that canno
 
 TEST_CASE("bonded_layer: however thin and incompressible, pressing never raises what is pressed") {
     using convolution = tactnet::kernels::symmetric_convolution<shape{28, 50}>;
-    convolution convolve;
+    convolution convolver;
     for (const double poisson : {0.4999, 0.4999999, 0.5})
         for (double thickness = 1e-3; thickness < 5; thickness *= 1.1) { // in cells
             CAPTURE(poisson);
             CAPTURE(thickness);
             const layer_influence influence(thickness, poisson, 1);
             CHECK(influence(0, 0) > 0);
-            for (const double share : convolve.spectrum_of(influence))
+            for (const double share : convolver.spectrum_of(influence))
                 CHECK(share > 0);
         }
 }

@@ -64,7 +64,7 @@ public:
     }
 
     /// `to` may be `from`.
-    void operator()(const spectrum& kernel, const double* from, double* to) noexcept {
+    void convolve(const spectrum& kernel, const double* from, double* to) noexcept {
         for (std::size_t group = 0; group < stride; group += width) {
             double* const block = upright_.data() + group * tall;
             for (std::size_t y = 0; y < Shape.rows; ++y)

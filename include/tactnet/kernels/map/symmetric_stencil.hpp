@@ -41,7 +41,7 @@ public:
                     weight(i, j < radius_.columns ? radius_.columns - j : j - radius_.columns));
     }
 
-    void operator()(float* map) noexcept {
+    void apply(float* map) noexcept {
         std::array<bool, Shape.rows> empty;
         for (std::size_t y = 0; y < Shape.rows; ++y) {
             float* const row = rows_.data() + y * row_size + margin;

@@ -39,8 +39,8 @@ public:
     /// in metres.
     template <class Surface, class Object>
     polonsky_keer(const Surface& surface, const Object& object, double cell, contact_accuracy accuracy)
-        : surface_(convolve_.spectrum_of(surface)),
-          object_(convolve_.spectrum_of(object)),
+        : surface_(convolution_.spectrum_of(surface)),
+          object_(convolution_.spectrum_of(object)),
           combined_(surface_),
           area_(cell * cell),
           self_influence_(surface(0, 0)),
@@ -122,7 +122,7 @@ private:
                   kernels::multiply_add<double>(v(softness_), load(object_, i), load(surface_, i)));
     }
     void deflect(const field& pressures, field& result) {
-        convolve_(softness_ > 0 ? combined_ : surface_, pressures.data(), result.data());
+        convolution_.convolve(softness_ > 0 ? combined_ : surface_, pressures.data(), result.data());
     }
 
     /// The initial guess: springs that yield as a patch of cells does.
@@ -251,7 +251,7 @@ private:
         return factor;
     }
 
-    convolution convolve_;
+    convolution convolution_;
     typename convolution::spectrum surface_, object_, combined_;
     // The padding between rows has no object and no pressure.
     field heights_ = field(size, no_object), pressure_ = field(size, 0.0), deflection_ = field(size, 0.0),

@@ -67,7 +67,7 @@ struct elastic_pad {
 
         void apply(signal<Shape> pressures, const moment&) noexcept {
             if (spreads_)
-                stencil_(pressures.data());
+                stencil_.apply(pressures.data());
         }
 
     private:
