@@ -117,7 +117,7 @@ struct step_description<tactnet::convolution_step<Format, C>> {
     static std::string what() {
         return "convolution " + extent_text(C.window.kernel) + ", " + std::to_string(C.filters) + " filters" +
                (C.pool == tactnet::extent2d(1) ? "" : ", pool " + extent_text(C.pool)) +
-               (C.adds ? ", sum" : "");
+               (C.accumulates ? ", sum" : "");
     }
     static std::string plan() { return method_text<typename step::method>(); }
     static constexpr std::size_t multiply_adds =
@@ -173,10 +173,10 @@ void time_other_methods(layer_report& layer, const float* in, float* out) {
         [&]<class Method>(std::type_identity<Method> method) {
             layer.costs += (layer.costs.empty() ? "" : ", ") + method_text<Method>() + " " +
                            std::to_string(Method::cost);
-            if constexpr (!Step::large)
+            if constexpr (!Step::layerwise)
                 time(method);
         });
-    if constexpr (!Step::large && C.groups == 1) {
+    if constexpr (!Step::layerwise && C.groups == 1) {
         const auto time_tile = [&]<std::size_t Rows, std::size_t Columns>(kernels::constant<Rows>,
                                                                           kernels::constant<Columns>) {
             constexpr tactnet::extent2d tile(Rows, Columns);

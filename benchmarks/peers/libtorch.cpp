@@ -71,9 +71,9 @@ private:
                     ? torch::conv2d(in, held.weight, held.bias, stride,
                                     std::vector<std::int64_t>{held.padding[2], held.padding[0]})
                     : torch::conv2d(torch::constant_pad_nd(in, held.padding), held.weight, held.bias, stride);
-            if (o.adds)
+            if (o.accumulates)
                 out.add_(maps_[o.output]);
-            maps_[o.output] = o.rectified ? out.relu_() : out;
+            maps_[o.output] = o.relu ? out.relu_() : out;
             break;
         }
         case operation::kind::pool:

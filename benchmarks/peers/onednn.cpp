@@ -85,9 +85,9 @@ private:
         const dims kernel{number(o.to.channels), number(o.from.channels), number(o.window.kernel.rows),
                           number(o.window.kernel.columns)};
         dnnl::post_ops after;
-        if (o.adds)
+        if (o.accumulates)
             after.append_sum(1.0f);
-        if (o.rectified)
+        if (o.relu)
             after.append_eltwise(1.0f, dnnl::algorithm::eltwise_relu, 0.0f, 0.0f);
         dnnl::primitive_attr attributes;
         attributes.set_post_ops(after);
@@ -101,13 +101,13 @@ private:
         const dnnl::memory in = as(o.input, chosen.src_desc());
         const dnnl::memory weights = packed({kernel, f32, tag::oihw}, o.weights, chosen.weights_desc());
         const dnnl::memory bias = packed({{number(o.to.channels)}, f32, tag::a}, o.bias, chosen.bias_desc());
-        if (o.adds && maps_[o.output].get_desc() != chosen.dst_desc()) {
+        if (o.accumulates && maps_[o.output].get_desc() != chosen.dst_desc()) {
             // The sum is taken in place, so the other term must be in the convolution's layout.
             const dnnl::memory term = maps_[o.output];
             const dnnl::memory sum(chosen.dst_desc(), engine_);
             add(dnnl::reorder(term, sum), {{DNNL_ARG_FROM, term}, {DNNL_ARG_TO, sum}});
             maps_[o.output] = sum;
-        } else if (!o.adds) {
+        } else if (!o.accumulates) {
             maps_[o.output] = dnnl::memory(chosen.dst_desc(), engine_);
         }
         add(dnnl::convolution_forward(chosen), {{DNNL_ARG_SRC, in},

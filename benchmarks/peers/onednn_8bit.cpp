@@ -77,12 +77,12 @@ private:
         const std::size_t area = o.window.kernel.area();
         for (std::size_t f = 0; f < o.to.channels; ++f)
             for (std::size_t pixel = 0; pixel < o.to.area(); ++pixel) {
-                float sum = o.bias[f] + (o.adds ? other[f * o.to.area() + pixel] : 0.0f);
+                float sum = o.bias[f] + (o.accumulates ? other[f * o.to.area() + pixel] : 0.0f);
                 each_tap(o, pixel / o.to.columns, pixel % o.to.columns, [&](std::size_t tap, std::size_t at) {
                     for (std::size_t c = 0; c < o.from.channels; ++c)
                         sum += o.weights[(f * o.from.channels + c) * area + tap] * in[c * o.from.area() + at];
                 });
-                out[f * o.to.area() + pixel] = o.rectified ? std::max(sum, 0.0f) : sum;
+                out[f * o.to.area() + pixel] = o.relu ? std::max(sum, 0.0f) : sum;
             }
         return out;
     }
@@ -171,16 +171,16 @@ private:
     void add_convolution(const operation& o, std::size_t batch, float largest) {
         const dims kernel{number(o.to.channels), number(o.from.channels), number(o.window.kernel.rows),
                           number(o.window.kernel.columns)};
-        const type output = o.rectified ? type::u8 : type::s8;
-        const float output_scale = largest / (o.rectified ? 255.0f : 127.0f);
+        const type output = o.relu ? type::u8 : type::s8;
+        const float output_scale = largest / (o.relu ? 255.0f : 127.0f);
         const whole_numbers whole = quantised(o, scales_[o.input]);
         std::vector<float> factors = whole.units;
         for (float& factor : factors)
             factor /= output_scale;
         dnnl::post_ops after;
-        if (o.adds)
+        if (o.accumulates)
             after.append_sum(scales_[o.output] / output_scale, maps_[o.output].get_desc().data_type());
-        if (o.rectified)
+        if (o.relu)
             after.append_eltwise(1.0f, dnnl::algorithm::eltwise_relu, 0.0f, 0.0f);
         dnnl::primitive_attr attributes;
         attributes.set_post_ops(after);
@@ -198,7 +198,7 @@ private:
             packed({kernel, type::s8, tag::oihw}, whole.weights, chosen.weights_desc());
         const dnnl::memory bias =
             packed({{number(o.to.channels)}, type::s32, tag::a}, whole.bias, chosen.bias_desc());
-        if (o.adds) {
+        if (o.accumulates) {
             // Taken in place, in the layout of the output; its bytes may have another sign.
             dnnl::memory term = maps_[o.output];
             dnnl::memory::desc wanted = chosen.dst_desc();

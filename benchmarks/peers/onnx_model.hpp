@@ -92,9 +92,9 @@ private:
                      {in, constant(o.weights, {o.to.channels, o.from.channels, kernel.rows, kernel.columns}),
                       constant(o.bias, {o.to.channels})},
                      next(), over(o.window));
-            if (o.adds)
+            if (o.accumulates)
                 out = node("Add", {out, names_[o.output]}, next(), {});
-            names_[o.output] = o.rectified ? node("Relu", {out}, next(), {}) : out;
+            names_[o.output] = o.relu ? node("Relu", {out}, next(), {}) : out;
             break;
         }
         case operation::kind::pool:

@@ -51,13 +51,13 @@ private:
                                         whole(o.window.kernel.rows), whole(o.window.kernel.columns)}),
                        blob(o.bias, {1, whole(o.to.channels)})};
             const int in = evenly_padded(p, layers_[o.input]);
-            if (o.adds) { // to what the output map held
+            if (o.accumulates) { // to what the output map held
                 const int before = layers_[o.output];
                 const int sum = join("Eltwise", {layer("Convolution", p, {in}), before});
-                layers_[o.output] = o.rectified ? layer("ReLU", {}, {sum}) : sum;
+                layers_[o.output] = o.relu ? layer("ReLU", {}, {sum}) : sum;
             } else {
                 const int convolved = layer("Convolution", p, {in});
-                layers_[o.output] = o.rectified ? layer("ReLU", {}, {convolved}) : convolved;
+                layers_[o.output] = o.relu ? layer("ReLU", {}, {convolved}) : convolved;
             }
             break;
         }

@@ -19,8 +19,8 @@ struct operation {
     std::vector<std::size_t> inputs{};        ///< of concatenations, in order
     tactnet::sliding_window window{{}, 1, 1}; ///< of convolutions and pools
     tactnet::shape from{}, to{};              ///< sizes of the maps
-    bool rectified = false;
-    bool adds = false;                    ///< to the map `output`, which holds the other term
+    bool relu = false;
+    bool accumulates = false;             ///< to the map `output`, which holds the other term
     std::vector<float> weights{}, bias{}; ///< [output][channel][row][column]
 };
 
@@ -71,15 +71,15 @@ private:
         static_assert(C.groups == 1, "described_network: convolutions in groups are not described");
         using step = tactnet::convolution_step<tactnet::single_precision, C>;
         const tactnet::shape full{C.window.output_rows(), C.window.output_columns(), C.filters};
-        const std::size_t to = C.adds ? other_term_ : new_map(full);
+        const std::size_t to = C.accumulates ? other_term_ : new_map(full);
         operations_.push_back({.what = operation::kind::convolution,
                                .input = from,
                                .output = to,
                                .window = C.window,
                                .from = C.window.input,
                                .to = full,
-                               .rectified = C.rectified,
-                               .adds = C.adds,
+                               .relu = C.relu,
+                               .accumulates = C.accumulates,
                                .weights = {folded, folded + step::weights},
                                .bias = {folded + step::weights, folded + step::folded_elements}});
         if constexpr (C.pool == tactnet::extent2d(1)) {

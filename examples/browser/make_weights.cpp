@@ -47,7 +47,7 @@ touches simulate(std::uint64_t seed, std::uint32_t per_class) {
         for (std::uint32_t number = 0; number < per_class; ++number) {
             simulate_paper_touch(scene, label, seed, number, frame);
             for (const float count : frame.measured)
-                result.pixels.push_back(to_count(count));
+                result.pixels.push_back(saturate_to_count(count));
             result.labels.push_back(label);
         }
     return result;

@@ -95,7 +95,7 @@ public:
         pressures signal = surface_;
         run(effects_, signal, now, touch, effect_count);
         for (std::size_t i = 0; i < Shape.size(); ++i)
-            to[i] = tactnet::to_count(signal.data()[i]);
+            to[i] = tactnet::saturate_to_count(signal.data()[i]);
     }
     /// As `read`, but leaves the memory of effects as it is.
     void read_again(const sim::moment& now, std::uint32_t touch, counts& to) {
@@ -103,7 +103,7 @@ public:
         auto copies = effects_;
         run(copies, signal, now, touch, effect_count);
         for (std::size_t i = 0; i < Shape.size(); ++i)
-            to[i] = tactnet::to_count(signal.data()[i]);
+            to[i] = tactnet::saturate_to_count(signal.data()[i]);
     }
     /// The counts if one effect were switched the other way. Leaves the memory of effects as it is.
     void read_without(std::size_t effect, const sim::moment& now, std::uint32_t touch, counts& to) {

@@ -47,7 +47,7 @@ images simulate_images(std::uint32_t per_class) {
         for (std::uint32_t number = 0; number < per_class; ++number) {
             simulation::simulate_paper_touch(scene, label, 1, number, frames);
             for (const float count : frames.measured)
-                result.pixels.push_back(to_count(count));
+                result.pixels.push_back(saturate_to_count(count));
             result.labels.push_back(label);
         }
     return result;

@@ -26,7 +26,7 @@ public:
                 const float count = counts(y * Shape.rows / cell_height_, x * Shape.columns / cell_width_);
                 pixels_[(gap + row * (cell_height_ + gap) + y) * width() + gap +
                         column * (cell_width_ + gap) + x] =
-                    static_cast<std::uint8_t>(240 - tactnet::to_count(count) * 240 / 255);
+                    static_cast<std::uint8_t>(240 - tactnet::saturate_to_count(count) * 240 / 255);
             }
     }
 

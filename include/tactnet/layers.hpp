@@ -10,7 +10,6 @@
 #include <tactnet/layers/average_pool.hpp>
 #include <tactnet/layers/batch_norm.hpp>
 #include <tactnet/layers/composition/concatenation.hpp>
-#include <tactnet/layers/composition/fused.hpp>
 #include <tactnet/layers/composition/named.hpp>
 #include <tactnet/layers/composition/norm_relu_pool.hpp>
 #include <tactnet/layers/composition/residual.hpp>

@@ -51,7 +51,7 @@ TEST_CASE("deployed: resnet's blocks, every logit lies within the bound of its e
 // steps are small whatever the vectors, in memory of its own.
 using shared_steps = network<shape{200, 200, 1}, conv2d<16, 1>, relu, global_average_pool>;
 using small_steps = network<shape{600, 600, 1}, max_pool<8>, conv2d<3, 3>, relu, global_average_pool>;
-static_assert(deployed<shared_steps>::view_type::large && !deployed<small_steps>::view_type::large);
+static_assert(deployed<shared_steps>::view_type::layerwise && !deployed<small_steps>::view_type::layerwise);
 
 TEST_CASE_TEMPLATE("deployed: maps too large for a stack lie on the heap, one by one and on threads", net,
                    shared_steps, small_steps) {

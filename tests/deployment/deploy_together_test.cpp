@@ -87,7 +87,7 @@ TEST_CASE_TEMPLATE("deployed: frames together, on any number of threads, leave t
     const auto fast = deploy(*net);
     using form = deployed<Network>;
     constexpr bool light = std::is_same_v<Network, light_network>;
-    static_assert(form::view_type::large == !(light || std::is_same_v<Network, heavy_network>));
+    static_assert(form::view_type::layerwise == !(light || std::is_same_v<Network, heavy_network>));
     static_assert((form::weight_bytes > kernels::l2_cache_bytes) == !light);
     if constexpr (light) {
         static_assert(detail::batch_inference<typename form::view_type>::on_one_thread == 4);
@@ -115,7 +115,7 @@ TEST_CASE_TEMPLATE("deployed: frames together, on any number of threads, leave t
             const std::vector<float> first(alone.begin(),
                                            alone.begin() + static_cast<std::ptrdiff_t>(some * outputs));
             CHECK(support::numbers_that_differ(together, first) == 0);
-            if constexpr (form::view_type::large) {
+            if constexpr (form::view_type::layerwise) {
                 std::fill(together.begin(), together.end(), NAN);
                 CHECK(fast.infer(std::span<const float>(counts.data(), some * size),
                                  std::span<float>(together), pool, kept) == frame_status::ok);

@@ -323,9 +323,9 @@ TEST_CASE("resize: counts in, and counts out: rounded and kept within their rang
         above = above || of_counts.data()[e] > 255;
     }
     CHECK((below && above)); // the case has what must be cut off
-    CHECK(to_count(not_a_number) == 0);
-    CHECK(to_count(254.4f) == 254);
-    CHECK(to_count(254.5f) == 255);
-    CHECK(to_count(1e9f) == 255);
-    CHECK(to_count(-1e9f) == 0);
+    CHECK(saturate_to_count(not_a_number) == 0);
+    CHECK(saturate_to_count(254.4f) == 254);
+    CHECK(saturate_to_count(254.5f) == 255);
+    CHECK(saturate_to_count(1e9f) == 255);
+    CHECK(saturate_to_count(-1e9f) == 0);
 }

@@ -125,7 +125,7 @@ TEST_CASE("load_deployed: a model's file gives what load_model and deploy give, 
     model<net> other = trained(3);
     other.network.learnable_values()[0] += 1;
     safetensors_writer writer;
-    add_model(writer, parts_of(m), images(2),
+    add_model(writer, model_parts_of(m), images(2),
               [&](std::span<const std::uint8_t> some) { return detail::class_logits(other, some); });
     const safetensors wrong = safetensors::parse(writer.to_bytes(), "wrong.safetensors");
     CHECK_THROWS_WITH_AS((void)load_deployed<net>(wrong), doctest::Contains("self-test"), file_error);

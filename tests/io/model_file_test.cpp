@@ -236,7 +236,7 @@ TEST_CASE("model_file: the same without the network's type") {
     const model<small_network> m = example();
     save_model(folder / "typed", m, {{"seed", "7"}}, images(2));
     const auto logits = [&](std::span<const std::uint8_t> asked) { return detail::class_logits(m, asked); };
-    save_model(folder / "parts", parts_of(m), {{"seed", "7"}}, images(2), logits);
+    save_model(folder / "parts", model_parts_of(m), {{"seed", "7"}}, images(2), logits);
     CHECK(read_file(folder / "typed") == read_file(folder / "parts"));
 
     const safetensors file = safetensors::read(folder / "parts");

@@ -73,7 +73,7 @@ TEST_CASE("calibration_graph_of: steps come as they run, each with its maps and 
     struct expected_step {
         const char* name; ///< in files; nothing of one without folded numbers
         std::size_t input, output, first, filters, taps;
-        bool adds, rectified;
+        bool accumulates, relu;
         extent2d pool;
         graph_node::function reference;
     };
@@ -106,8 +106,8 @@ TEST_CASE("calibration_graph_of: steps come as they run, each with its maps and 
         CHECK((step.reference == as.reference));
         if (as.filters > 0)
             CHECK(step.taps() == as.taps);
-        CHECK(step.adds == as.adds);
-        CHECK(step.rectified == as.rectified);
+        CHECK(step.accumulates == as.accumulates);
+        CHECK(step.relu == as.relu);
         CHECK(step.pool == as.pool);
         CHECK((step.set_ranges != nullptr) == (*as.name != 0));
         if (*as.name == 0)

@@ -26,13 +26,13 @@ struct drawn_step {
     std::vector<float> folded, maps;
 
     drawn_step(const sliding_window& window, std::size_t groups, std::size_t filters, extent2d pool,
-               bool rectified, bool adds, std::size_t first, std::uint32_t seed) {
+               bool relu, bool accumulates, std::size_t first, std::uint32_t seed) {
         net.ranges = 3;
         const shape sums{window.output_rows(), window.output_columns(), filters};
         const shape to{(sums.rows + pool.rows - 1) / pool.rows,
                        (sums.columns + pool.columns - 1) / pool.columns, filters + first};
         graph_node step{.window = window, .groups = groups, .filters = filters, .pool = pool};
-        step.rectified = rectified, step.adds = adds, step.first = first;
+        step.relu = relu, step.accumulates = accumulates, step.first = first;
         step.input = net.add_map(window.input, 0);
         step.added = net.add_map(sums, 1);
         step.output = net.add_map(to, 2);
@@ -79,7 +79,7 @@ struct drawn_step {
                     sum += (rounded ? std::nearbyint(exact * 2) / 2 : exact) *
                            static_cast<double>(maps[pixel * w.input.channels + c]);
                 }
-        if (step.adds)
+        if (step.accumulates)
             sum += static_cast<double>(
                 maps[net.maps[1].begin + (y * w.output_columns() + x) * step.filters + filter]);
         return sum;
@@ -97,7 +97,7 @@ struct drawn_step {
                             if (const auto sum =
                                     sum_at(f, y * step.pool.rows + i, x * step.pool.columns + j, rounded))
                                 most = most ? std::max(*most, *sum) : *sum;
-                    double number = step.rectified ? std::max(*most, 0.0) : *most;
+                    double number = step.relu ? std::max(*most, 0.0) : *most;
                     if (rounded) { // scales are powers of two: quotients are exact
                         const double byte = std::clamp(
                             std::nearbyint(number / static_cast<double>(range.scale)) + range.zero_point, 0.0,
@@ -125,9 +125,9 @@ TEST_CASE(
     std::uint32_t seed = 0;
     const auto check = [&](const sliding_window& w, std::size_t groups, std::size_t filters, extent2d pool,
                            std::size_t first) {
-        for (const bool rectified : {false, true})
-            for (const bool adds : {false, true}) {
-                const drawn_step drawn(w, groups, filters, pool, rectified, adds, first, ++seed);
+        for (const bool relu : {false, true})
+            for (const bool accumulates : {false, true}) {
+                const drawn_step drawn(w, groups, filters, pool, relu, accumulates, first, ++seed);
                 CAPTURE(seed);
                 CHECK(drawn.wrong(false, {}) == 0);
                 for (const map_range& range : ranges)

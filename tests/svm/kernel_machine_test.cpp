@@ -367,8 +367,8 @@ TEST_CASE("kernel_machine: labels and probabilities of many rows take blocks of 
     const std::vector<double> decisions = machine.decision_values(feature_rows<>(values, 2), pool);
     bool same = labels.size() == rows;
     for (std::size_t i = 0; i < labels.size(); ++i)
-        same = same &&
-               labels[i] == decide(std::span(decisions).subspan(i * machine.machines(), machine.machines()),
-                                   classes, multiclass::one_versus_one);
+        same = same && labels[i] == winning_class(std::span(decisions).subspan(i * machine.machines(),
+                                                                               machine.machines()),
+                                                  classes, multiclass::one_versus_one);
     CHECK(same);
 }

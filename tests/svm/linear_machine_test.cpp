@@ -313,7 +313,7 @@ TEST_CASE("linear_machine: labels of many rows take blocks of memory, and are th
         const std::vector<double> alone =
             machine.decision_values(feature_rows<>(std::span(values).subspan(2 * i, 2), 2));
         same = std::equal(own.begin(), own.end(), alone.begin(), alone.end()) &&
-               labels[i] == decide(own, classes, multiclass::one_versus_rest);
+               labels[i] == winning_class(own, classes, multiclass::one_versus_rest);
     }
     CHECK(same);
 }

@@ -68,11 +68,11 @@ TEST_CASE("multiclass: a weight is for the costs of its class alone") {
 }
 
 TEST_CASE("multiclass: most votes win, the first of equals; zero is a vote for the second of a pair") {
-    CHECK(decide(std::array{1.0, 1.0, -1.0}, 3, multiclass::one_versus_one) == 0);
-    CHECK(decide(std::array{-1.0, 1.0, -1.0}, 3, multiclass::one_versus_one) == 0); // one vote each
-    CHECK(decide(std::array{-1.0, -1.0, 1.0}, 3, multiclass::one_versus_one) == 1);
-    CHECK(decide(std::array{0.0}, 2, multiclass::one_versus_one) == 1);
-    CHECK(decide(std::array{0.5, 2.0, 2.0}, 3, multiclass::one_versus_rest) == 1);
+    CHECK(winning_class(std::array{1.0, 1.0, -1.0}, 3, multiclass::one_versus_one) == 0);
+    CHECK(winning_class(std::array{-1.0, 1.0, -1.0}, 3, multiclass::one_versus_one) == 0); // one vote each
+    CHECK(winning_class(std::array{-1.0, -1.0, 1.0}, 3, multiclass::one_versus_one) == 1);
+    CHECK(winning_class(std::array{0.0}, 2, multiclass::one_versus_one) == 1);
+    CHECK(winning_class(std::array{0.5, 2.0, 2.0}, 3, multiclass::one_versus_rest) == 1);
 }
 
 TEST_CASE("deal_folds: they hold about as many of each class, and are those of the seed") {

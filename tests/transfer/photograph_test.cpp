@@ -52,8 +52,9 @@ TEST_CASE("photograph: every channel is the resized image, normalised") {
         for (std::size_t channel = 0; channel < 3; ++channel)
             for (std::size_t e = 0; e < one.size(); ++e) {
                 overshoots = overshoots || resized[e] > 255 || resized[e] < 0;
-                const float value =
-                    pixel == resized_pixel::count ? static_cast<float>(to_count(resized[e])) : resized[e];
+                const float value = pixel == resized_pixel::count
+                                        ? static_cast<float>(saturate_to_count(resized[e]))
+                                        : resized[e];
                 CAPTURE(e);
                 REQUIRE(found[channel * one.size() + e] ==
                         (value - form.normalise.mean[channel]) * form.normalise.scale[channel]);

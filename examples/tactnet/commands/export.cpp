@@ -112,7 +112,8 @@ int export_network(const export_options& o) {
     tactnet::header_description says{
         .network = weights.what->name, .namespace_name = o.namespace_name, .classes = weights.classes};
     if (!o.packing.empty())
-        says.when = o.packing == "at-start" ? tactnet::packing::at_start : tactnet::packing::when_compiling;
+        says.when = o.packing == "at-start" ? tactnet::header_packing::at_start
+                                            : tactnet::header_packing::when_compiling;
     std::string text;
     try {
         text = network->header(says, std::span(frames).first(weights.what->rows * weights.what->columns));

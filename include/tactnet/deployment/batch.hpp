@@ -88,7 +88,7 @@ struct batch_inference {
                                     status == nullptr ? nullptr : status + first);
         };
         std::atomic<bool> in_range = true;
-        if constexpr (View::large) {
+        if constexpr (View::layerwise) {
             const std::size_t group = std::max(max_on_all_threads, pool.threads());
             for (std::size_t first = 0; first < count; first += group) {
                 const batch_executor<thread_pool> executor{pool, std::min(group, count - first)};

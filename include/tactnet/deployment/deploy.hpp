@@ -215,8 +215,8 @@ private:
     /// signs. If that would reject counts of 8 bits, as in a very deep network, only NaN and infinity are
     /// rejected.
     void set_limit() {
-        constexpr double most =
-            static_cast<double>(std::numeric_limits<float>::max()) / kernels::frame_method::growth;
+        constexpr double most = static_cast<double>(std::numeric_limits<float>::max()) /
+                                kernels::frame_method::max_intermediate_growth;
         double largest = 1e36, needed = 0;
         for (std::size_t e = 0; e < input_shape.size(); ++e)
             for (const double count : {0.0, 255.0})

@@ -130,7 +130,7 @@ public:
     /// A call allocates no larger workspace on the stack: pass one from the heap.
     static constexpr std::size_t max_stack_bytes = std::size_t{1} << 20;
     /// Whether to prefer layer-wise batching, and all threads for one frame.
-    static constexpr bool large = Steps::large;
+    static constexpr bool layerwise = Steps::layerwise;
 
     /// Packed weights as a value, for a constant of a program.
     struct packed_weights {

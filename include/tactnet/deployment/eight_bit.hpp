@@ -67,7 +67,7 @@ namespace detail {
 
 [[gnu::cold, gnu::noinline]] inline void require_no_problem(const folded_layout& layout,
                                                             std::span<const float> folded) {
-    if (const auto p = find_problem(layout, folded))
+    if (const auto p = detail::find_problem(layout, folded))
         throw std::invalid_argument("deploy: " + p->array + ", element " + std::to_string(p->element) +
                                     ": expected " + p->expected + ", found " + p->found);
 }

@@ -106,7 +106,7 @@ void resize(tensor_view<const std::uint8_t, From> from, tensor_view<float, To> t
 }
 
 /// Clamps a number to 0 … 255 and rounds it; NaN becomes 0.
-[[nodiscard]] constexpr std::uint8_t to_count(float value) {
+[[nodiscard]] constexpr std::uint8_t saturate_to_count(float value) {
     const float kept = value > 0 ? (value < 255 ? value : 255) : 0;
     return static_cast<std::uint8_t>(kept + 0.5f);
 }
@@ -119,7 +119,7 @@ void resize(const Count& from, tensor_view<std::uint8_t, To> to) {
     tensor<float, To> exact;
     resize<From, To, Kernel>(from, exact.view());
     for (std::size_t e = 0; e < To.size(); ++e)
-        to.data()[e] = to_count(exact.data()[e]);
+        to.data()[e] = saturate_to_count(exact.data()[e]);
 }
 
 }} // namespace tactnet

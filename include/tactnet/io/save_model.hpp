@@ -99,7 +99,7 @@ void add_parameters(safetensors_writer& writer, const Network& network,
 
 /// A view of a model, which must outlive it.
 template <class Network>
-[[nodiscard]] [[gnu::cold]] model_parts parts_of(const model<Network>& m) {
+[[nodiscard]] [[gnu::cold]] model_parts model_parts_of(const model<Network>& m) {
     model_parts parts{.input = Network::input_shape,
                       .arrays = stored_arrays_of<Network>(),
                       .values = {},
@@ -150,7 +150,7 @@ template <class Network>
 template <class Network>
 [[gnu::cold]] void save_model(const std::filesystem::path& path, const model<Network>& m,
                               file_metadata metadata = {}, std::span<const std::uint8_t> selftest = {}) {
-    save_model(path, parts_of(m), std::move(metadata), selftest,
+    save_model(path, model_parts_of(m), std::move(metadata), selftest,
                [&](std::span<const std::uint8_t> images) { return detail::class_logits(m, images); });
 }
 

@@ -103,7 +103,7 @@ for_each_folded(const folded_layout& layout, const stored_arrays& arrays,
             read(in_file);
     });
     const auto require_valid = [&] {
-        if (const auto problem = find_problem(layout, stored.folded))
+        if (const auto problem = detail::find_problem(layout, stored.folded))
             detail::throw_element_error(file.file(), problem->array, problem->element, problem->expected,
                                         problem->found);
     };

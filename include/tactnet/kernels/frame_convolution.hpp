@@ -22,8 +22,8 @@ struct frame_convolution {
     std::size_t input_stride; ///< elements from one pixel of the input to the next
     extent2d pool = 1;        ///< window and stride of the max pool, without padding before the image
     std::size_t pooled_rows = 0, pooled_columns = 0; ///< of the output, if the pool cuts or completes windows
-    bool rectified = false;                          ///< whether a ReLU follows
-    bool adds = false;                               ///< whether it accumulates into the output map
+    bool relu = false;                               ///< whether a ReLU follows
+    bool accumulates = false;                        ///< whether it accumulates into the output map
     std::size_t groups = 1;     ///< filters of a group see the channels of that group only
     std::size_t map_stride = 0; ///< elements from one pixel to the next of a wider map that holds the output
     std::size_t map_offset = 0; ///< channels of that map before the output
@@ -162,12 +162,12 @@ template <frame_convolution C, class Weight>
 /// vector; their constants are rounded from times of layers (benchmark_plan) on several processors, with 16
 /// and 32 registers.
 struct frame_method {
-    static constexpr extent2d tile = 0;  ///< outputs of a Winograd tile
-    static constexpr bool large = false; ///< whether threads share a frame, and frames a layer
+    static constexpr extent2d tile = 0;      ///< outputs of a Winograd tile
+    static constexpr bool layerwise = false; ///< whether frames go through it together, and threads share it
     /// No sum inside a method exceeds so many times the bound of its outputs. Winograd's factors add up to
     /// 13.8 for one weight, 189 in two directions. One number for all methods: limits of inputs, which files
     /// hold, must not depend on the method, which the instruction set decides.
-    static constexpr double growth = 256;
+    static constexpr double max_intermediate_growth = 256;
     static constexpr std::size_t frames_together = 1;    ///< frames that run_frames computes in one call
     static constexpr std::size_t workspace_elements = 0; ///< whole cache lines
 

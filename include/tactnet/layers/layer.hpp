@@ -247,7 +247,7 @@ describe_array(std::vector<parameter>& list, const std::string& prefix, const ch
     std::string path(prefix); // appending compiles less than adding
     path.append(".", 1).append(name);
     parameter p{{std::move(path), extents, {}, offset, 0}, role, fan_in};
-    p.size = product_of(p.extents);
+    p.size = detail::product_of(p.extents);
     if (flattened.size() > 0)
         p.flattened = {flattened.channels, flattened.rows, flattened.columns};
     list.push_back(std::move(p));

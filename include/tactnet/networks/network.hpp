@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/layers/composition/fused.hpp>
+#include <tactnet/layers/composition/norm_relu_pool.hpp>
 #include <tactnet/layers/softmax.hpp>
 
 #include <algorithm>
@@ -61,7 +61,7 @@ inline constexpr bool begins_with_counts<sequence<Inner...>, Rest...> =
 template <class T, shape Input, class... Specs>
 class basic_network {
     using split = detail::split_softmax<sequence<>, without_name<Specs>...>;
-    using logit_layers = typename fused<typename split::logits>::template layer<T, Input>;
+    using logit_layers = typename with_fused_norms<typename split::logits>::template layer<T, Input>;
 
 public:
     /// The list as written, and bound to the input, for deployment.

@@ -32,8 +32,8 @@ struct graph_node {
     std::size_t filters = 0;                ///< of all groups
     extent2d pool = 1;                      ///< a max pool fused with a convolution
     double offset = 0;                      ///< of a square root
-    bool rectified = false;                 ///< of a convolution or a norm
-    bool adds = false;                      ///< to the map `added`
+    bool relu = false;                      ///< of a convolution or a norm
+    bool accumulates = false;               ///< to the map `added`
     std::size_t input = 0, added = 0;       ///< maps
     std::size_t output = 0, first = 0;      ///< a map, and the first of its channels that is written
     shape from{}, to{};                     ///< sizes of these maps
@@ -77,9 +77,9 @@ struct calibration_graph {
         };
         for (const graph_node& step : nodes)
             if (step.set_ranges != nullptr)
-                step.set_ranges(
-                    folded + step.folded,
-                    {range(step.input), step.adds ? range(step.added) : map_range{}, range(step.output)});
+                step.set_ranges(folded + step.folded,
+                                {range(step.input), step.accumulates ? range(step.added) : map_range{},
+                                 range(step.output)});
     }
 };
 

@@ -94,8 +94,8 @@ private:
                                      .groups = kernel.groups,
                                      .filters = kernel.filters,
                                      .pool = kernel.pool,
-                                     .rectified = kernel.rectified,
-                                     .adds = kernel.adds,
+                                     .relu = kernel.relu,
+                                     .accumulates = kernel.accumulates,
                                      .input = input,
                                      .first = kernel.map_offset},
                                     into);
@@ -111,9 +111,8 @@ private:
     /// A batch norm.
     template <class Step, class Format>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                                  const shape&, input_stride_argument, bool rectified) {
-        return add_parameters<Step>({.reference = reference_norm, .rectified = rectified, .input = input},
-                                    into);
+                                  const shape&, input_stride_argument, bool relu) {
+        return add_parameters<Step>({.reference = reference_norm, .relu = relu, .input = input}, into);
     }
     /// A square root.
     template <class Step, class Format, std::intmax_t Numerator, std::intmax_t Denominator>
@@ -157,7 +156,7 @@ private:
     template <class Step>
     [[gnu::cold]] std::size_t add_parameters(const graph_node& step, std::size_t into) {
         std::size_t range = calibration_graph::none;
-        if (Step::ranges > (step.adds ? 2 : 1))
+        if (Step::ranges > (step.accumulates ? 2 : 1))
             range = net_.ranges++;
         return add_node<Step>(step,
                               into == calibration_graph::none ? net_.add_map(Step::output, range) : into);

@@ -39,7 +39,7 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
     const std::size_t channels = step.from.channels;
     for (std::size_t e = 0; e < step.from.size(); ++e) {
         out[e] = folded[e % channels] * in[e] + folded[channels + e % channels];
-        if (step.rectified)
+        if (step.relu)
             out[e] = std::max(out[e], 0.0f);
     }
 }
@@ -148,7 +148,7 @@ public:
                 kernels::store(sum + f, kernels::multiply_add<float>(all, kernels::load(weights + f),
                                                                      kernels::load<float>(sum + f)));
         });
-        if (!step_.adds)
+        if (!step_.accumulates)
             return;
         const feature_map& added = net_.maps[step_.added];
         for (std::size_t f = 0; f < step_.filters; ++f)
@@ -179,9 +179,7 @@ public:
     }
 
 private:
-    [[nodiscard]] float rectified(float value) const {
-        return step_.rectified ? std::max(value, 0.0f) : value;
-    }
+    [[nodiscard]] float relu(float value) const { return step_.relu ? std::max(value, 0.0f) : value; }
     /// A number rounded to a byte of the range.
     [[nodiscard]] static float nearest(float value, const map_range& range) {
         constexpr float largest_byte = 255;
@@ -220,7 +218,7 @@ private:
                         most[i] = std::max(most[i], here[i]);
                 }
             for (std::size_t f = 0; f < step_.filters; ++f)
-                out[pixel * to.channels + step_.first + f] = rectified(most[place_of(f)]);
+                out[pixel * to.channels + step_.first + f] = relu(most[place_of(f)]);
         }
     }
 

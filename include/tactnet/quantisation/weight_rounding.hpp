@@ -116,7 +116,7 @@ private:
         const step_ranges ranges{range_of(step.input), range_of(step.added), range_of(step.output)};
         const double largest_input = net_.maps[step.input].range == 0 ? largest_word : largest_byte;
         const bool fits = filter_of(fitted.data(), taps, static_cast<double>(fitted_bias), scale, ranges,
-                                    step.adds, largest_input, 0)
+                                    step.accumulates, largest_input, 0)
                               .fits();
         if (!fits || !(held_out.error(in_group, fitted, static_cast<double>(fitted_bias)) <
                        held_out.error(in_group, rounded, static_cast<double>(bias))))
@@ -146,7 +146,7 @@ private:
                     for (std::size_t f = 0; f < of_group; ++f) {
                         const std::size_t filter = group * of_group + f;
                         wanted[f] = sums[exact_run.place_of(filter)];
-                        if (step.adds) // the other map is what it is
+                        if (step.accumulates) // the other map is what it is
                             wanted[f] -= in[net_.maps[step.added].begin +
                                             (y * columns + x) * net_.maps[step.added].size.channels + filter];
                     }

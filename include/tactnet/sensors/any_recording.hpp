@@ -113,7 +113,7 @@ private:
         while (line.ends_with('\r'))
             line.remove_suffix(1);
         std::string unquoted;
-        const tekscan_part next = read_header_line(line, unquoted).followed_by;
+        const tekscan_part next = detail::read_header_line(line, unquoted).followed_by;
         return next == tekscan_part::cells ? found<tekscan_ascii>()
                : next == tekscan_part::map ? found<tekscan_map>()
                                            : false;

@@ -73,7 +73,7 @@ std::vector<std::size_t> count_recognised(const kernel_samples<Kernel>& samples,
         for (std::size_t h = 0; h < held; ++h) {
             for (std::size_t m = 0; m < machines; ++m)
                 own[m] = values[c * machines + m][h];
-            const std::size_t found = machines == 0 ? 0 : decide(own, k, options.scheme);
+            const std::size_t found = machines == 0 ? 0 : winning_class(own, k, options.scheme);
             recognised[c] += fold.classes.labels[found] == labels[fold.held_out[h]] ? 1 : 0;
         }
     return recognised;

@@ -96,7 +96,7 @@ public:
     [[nodiscard]] std::vector<std::size_t> predict(feature_rows<Features> rows, thread_pool& threads) const {
         std::vector<std::size_t> labels;
         for_each_values(rows, threads, [&](std::span<const double> values) {
-            labels.push_back(parts_.labels[decide(values, classes(), parts_.scheme)]);
+            labels.push_back(parts_.labels[winning_class(values, classes(), parts_.scheme)]);
         });
         return labels;
     }

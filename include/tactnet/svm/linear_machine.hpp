@@ -80,8 +80,9 @@ public:
                 values.clear();
                 add_values(block, values);
                 for (std::size_t i = 0; i < block.size(); ++i)
-                    labels.push_back(parts_.labels[decide(std::span(values).subspan(i * classes(), classes()),
-                                                          classes(), multiclass::one_versus_rest)]);
+                    labels.push_back(
+                        parts_.labels[winning_class(std::span(values).subspan(i * classes(), classes()),
+                                                    classes(), multiclass::one_versus_rest)]);
             });
         return labels;
     }

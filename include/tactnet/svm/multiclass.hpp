@@ -194,8 +194,8 @@ binary_problems(const class_members& classes, std::span<const double> costs, mul
 
 /// The class that the values of all machines decide for. One versus one: the first class with most votes; a
 /// value above zero is a vote for the first of the pair.
-[[nodiscard]] inline std::size_t decide(std::span<const double> values, std::size_t classes,
-                                        multiclass scheme) {
+[[nodiscard]] inline std::size_t winning_class(std::span<const double> values, std::size_t classes,
+                                               multiclass scheme) {
     const auto first_largest = [](const auto& list) {
         return static_cast<std::size_t>(std::max_element(list.begin(), list.end()) - list.begin());
     };

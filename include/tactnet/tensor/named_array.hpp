@@ -33,6 +33,8 @@ struct named_array {
     return name.append(inner.data(), inner.size());
 }
 
+namespace detail {
+
 /// The product of the extents; 1 for none.
 [[nodiscard]] constexpr std::size_t product_of(const std::vector<std::size_t>& extents) {
     std::size_t product = 1;
@@ -40,5 +42,7 @@ struct named_array {
         product *= extent;
     return product;
 }
+
+} // namespace detail
 
 }} // namespace tactnet

@@ -69,7 +69,7 @@ void to_photograph(tensor_view<const std::uint8_t, Grey> image, const photograph
     resize<Grey, resized>(image, tensor_view<float, resized>(to.data()));
     if (form.pixel == resized_pixel::count)
         for (std::size_t e = 0; e < resized.size(); ++e)
-            to.data()[e] = static_cast<float>(to_count(to.data()[e]));
+            to.data()[e] = static_cast<float>(saturate_to_count(to.data()[e]));
     detail::spread_first_channel(to.elements(), form.normalise);
 }
 

@@ -25,20 +25,20 @@ namespace {
 struct worst_sums {
     double most = 0;
     explicit worst_sums(const std::vector<float>& weights, const filter_scale& scale, double largest_input,
-                        bool adds) {
+                        bool accumulates) {
         for (const float w : weights)
             most += std::abs(static_cast<double>(detail::quantised(w, scale))) * largest_input;
         most += std::abs(static_cast<double>(scale.start)) +
-                (adds ? 255.0 * static_cast<double>(scale.added) : 0);
+                (accumulates ? 255.0 * static_cast<double>(scale.added) : 0);
     }
     [[nodiscard]] bool fits() const { return most <= std::numeric_limits<std::int32_t>::max(); }
 };
 
-filter_scale scaled(const std::vector<float>& weights, double bias, const step_ranges& ranges, bool adds,
-                    double largest_input = 255, int offset = 0) {
+filter_scale scaled(const std::vector<float>& weights, double bias, const step_ranges& ranges,
+                    bool accumulates, double largest_input = 255, int offset = 0) {
     const float scale =
-        detail::scale_of_filter(weights.data(), weights.size(), bias, ranges, adds, largest_input);
-    return detail::filter_of(weights.data(), weights.size(), bias, scale, ranges, adds, largest_input,
+        detail::scale_of_filter(weights.data(), weights.size(), bias, ranges, accumulates, largest_input);
+    return detail::filter_of(weights.data(), weights.size(), bias, scale, ranges, accumulates, largest_input,
                              offset);
 }
 /// A scale is a number of single precision: it is off by 2⁻²⁴ of itself at most, and what is reckoned with it
@@ -108,18 +108,18 @@ TEST_CASE("scale_of_filter: no sum passes 32 bits, however many the weights and 
         const step_ranges ranges{{std::pow(10.0f, draw.next(-6, 3)), std::floor(draw.next(0, 256))},
                                  {std::pow(10.0f, draw.next(-6, 3)), std::floor(draw.next(0, 256))},
                                  {0.1f, 0}};
-        for (const bool adds : {false, true})
+        for (const bool accumulates : {false, true})
             for (const bool words : {false, true}) {
                 const double largest_input = words ? 32768 : 255;
-                const filter_scale scale = scaled(weights, bias, ranges, adds, largest_input,
+                const filter_scale scale = scaled(weights, bias, ranges, accumulates, largest_input,
                                                   words           ? 0
                                                   : seed % 3 == 0 ? 128
                                                                   : 0);
-                CHECK(worst_sums(weights, scale, largest_input, adds).fits());
+                CHECK(worst_sums(weights, scale, largest_input, accumulates).fits());
                 CHECK(scale.fits());
                 // A bias is rounded to half a unit at most; sums below 2³¹, in double precision, to 2⁻²².
-                if (!adds) // of which the bytes' zero is counted twice by these
-                    CHECK(worst_sums(weights, scale, largest_input, adds).most <=
+                if (!accumulates) // of which the bytes' zero is counted twice by these
+                    CHECK(worst_sums(weights, scale, largest_input, accumulates).most <=
                           scale.max_abs_sum + 0.5 + 4 * 0x1p-22);
                 const float largest = *std::max_element(weights.begin(), weights.end(), [](float a, float b) {
                     return std::abs(a) < std::abs(b);
@@ -133,7 +133,7 @@ TEST_CASE("scale_of_filter: no sum passes 32 bits, however many the weights and 
                     static_cast<std::int64_t>(ranges.input.zero_point) - (!words && seed % 3 == 0 ? 128 : 0);
                 const double without = static_cast<double>(
                     scale.start + zero * sum +
-                    (adds ? static_cast<std::int64_t>(ranges.added.zero_point) * scale.added : 0));
+                    (accumulates ? static_cast<std::int64_t>(ranges.added.zero_point) * scale.added : 0));
                 CHECK(std::abs(without - bias / scale.unit) <= 0.5);
             }
     }

@@ -19,12 +19,13 @@ int main(int count, char** arguments) {
                                                       .namespace_name = "gripper::recognition",
                                                       .classes = {"left", "\"a\\b\"\n?\?/", "é"}},
                                                      frame_of<small_network>(0)));
-        tactnet::write_file(arguments[2], tactnet::deployed_header(deployed_network<mixed_network>(),
-                                                                   {.network = "A test's own network\n\\",
-                                                                    .namespace_name = "mixed",
-                                                                    .classes = {},
-                                                                    .when = tactnet::packing::at_start},
-                                                                   frame_of<mixed_network>(0)));
+        tactnet::write_file(arguments[2],
+                            tactnet::deployed_header(deployed_network<mixed_network>(),
+                                                     {.network = "A test's own network\n\\",
+                                                      .namespace_name = "mixed",
+                                                      .classes = {},
+                                                      .when = tactnet::header_packing::at_start},
+                                                     frame_of<mixed_network>(0)));
         tactnet::write_file(arguments[3], tactnet::deployed_header(deployed_network<large_network>(),
                                                                    {.network = "A network of photographs",
                                                                     .namespace_name = "large",

@@ -45,7 +45,7 @@ int main(int count, char** arguments) {
         const tactnet::header_description says{.network = "TactNet-4",
                                                .namespace_name = "gripper",
                                                .classes = {},
-                                               .when = tactnet::packing::when_compiling};
+                                               .when = tactnet::header_packing::when_compiling};
         tactnet::write_file(arguments[1], tactnet::deployed_header(tactnet::deploy(model), says, frame));
         tactnet::write_file(
             arguments[2],

@@ -17,7 +17,7 @@ using namespace tactnet;
 namespace {
 
 using step = dense_step<single_precision, kernels::frame_dense{{3, 5, 8}, 8, 22}>;
-static_assert(!step::large);
+static_assert(!step::layerwise);
 
 } // namespace
 

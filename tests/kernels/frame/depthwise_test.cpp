@@ -26,16 +26,16 @@ constexpr frame_convolution step(shape in, extent2d kernel, std::size_t filters_
             .input_stride = input_stride,
             .groups = in.channels};
 }
-constexpr frame_convolution rectified(frame_convolution c) {
-    c.rectified = true;
+constexpr frame_convolution with_relu(frame_convolution c) {
+    c.relu = true;
     return c;
 }
 constexpr frame_convolution adding(frame_convolution c) {
-    c.adds = true;
+    c.accumulates = true;
     return c;
 }
 constexpr frame_convolution pooled(frame_convolution c, extent2d pool) {
-    c.pool = pool, c.rectified = true;
+    c.pool = pool, c.relu = true;
     c.pooled_rows = (c.window.output_rows() + pool.rows - 1) / pool.rows;
     c.pooled_columns = (c.window.output_columns() + pool.columns - 1) / pool.columns;
     return c;
@@ -58,13 +58,13 @@ void compare(std::uint64_t seed) {
     for (float& b : biases)
         b = support::draw(state);
     support::guarded_map input(area * C.input_stride, NAN, 1e3f),
-        output(output_area * C.output_stride(), 12345, C.adds ? 0.0f : NAN),
+        output(output_area * C.output_stride(), 12345, C.accumulates ? 0.0f : NAN),
         packed(method::packed_elements, 4321, 0), workspace(method::workspace_elements, 54321, NAN);
     for (std::size_t p = 0; p < area; ++p)
         for (std::size_t c = 0; c < channels; ++c)
             input.data()[p * C.input_stride + c] = support::draw(state);
     std::vector<float> added(output_area * C.filters);
-    for (std::size_t i = 0; C.adds && i < added.size(); ++i)
+    for (std::size_t i = 0; C.accumulates && i < added.size(); ++i)
         output.data()[i / C.filters * C.output_stride() + i % C.filters] = added[i] = support::draw(state);
     method::pack(
         [&](std::size_t f, std::size_t channel, std::size_t row, std::size_t column) {
@@ -80,14 +80,14 @@ void compare(std::uint64_t seed) {
     support::sample in(channels * area), sums(C.filters * output_area), exact_biases(C.filters);
     for (std::size_t i = 0; i < in.size(); ++i)
         in[i].value = static_cast<double>(input.data()[i % area * C.input_stride + i / area]);
-    for (std::size_t i = 0; C.adds && i < sums.size(); ++i)
+    for (std::size_t i = 0; C.accumulates && i < sums.size(); ++i)
         sums[i].value = static_cast<double>(added[i % output_area * C.filters + i / output_area]);
     for (std::size_t f = 0; f < C.filters; ++f)
         exact_biases[f].value = static_cast<double>(biases[f]);
     const std::vector<double> exact_weights(weights.begin(), weights.end());
     const support::sample expected = support::pooled_and_rectified(
         C, support::bounded_convolution(support::window_of(C.window), C.filters, exact_weights, exact_biases,
-                                        in, C.adds ? &sums : nullptr, {}, channels));
+                                        in, C.accumulates ? &sums : nullptr, {}, channels));
     REQUIRE(expected.size() == C.filters * output_area);
     CHECK(support::outputs_outside(expected, output_area, output.data(), C.output_stride()) == 0);
 }
@@ -96,9 +96,9 @@ void compare(std::uint64_t seed) {
 
 TEST_CASE("depthwise_method: any number of channels, kernels and strides") {
     compare<step({14, 25, 64}, 3, 1, 64)>(1);
-    compare<rectified(step({7, 13, 6}, 3, 1, 16))>(2);
+    compare<with_relu(step({7, 13, 6}, 3, 1, 16))>(2);
     compare<step({5, 4, 3}, extent2d(3, 5), 1, 16)>(3);
-    compare<rectified(step({9, 11, 33}, 3, 1, 48, 2))>(4);
+    compare<with_relu(step({9, 11, 33}, 3, 1, 48, 2))>(4);
     compare<step({9, 10, 20}, extent2d(4, 1), 1, 32, extent2d(1, 3))>(5);
     compare<step({6, 6, 17}, 3, 1, 32, 1, padding::valid)>(6);
     compare<step({1, 2, 8}, 5, 1, 8)>(7);
@@ -113,7 +113,7 @@ TEST_CASE("depthwise_method: pools, and sums") {
     compare<pooled(step({13, 9, 20}, extent2d(5, 2), 1, 32, extent2d(1, 2)), 2)>(6);
     compare<adding(step({7, 13, 24}, 3, 1, 32))>(3);
     compare<adding(step({9, 7, 8}, extent2d(2, 3), 1, 8, extent2d(3, 2)))>(7);
-    compare<rectified(adding(step({5, 4, 9}, 3, 1, 16)))>(4);
+    compare<with_relu(adding(step({5, 4, 9}, 3, 1, 16)))>(4);
 }
 
 TEST_CASE("depthwise_method: pixels without gaps and several filters per channel are copied first") {

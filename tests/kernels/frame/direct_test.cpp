@@ -45,9 +45,9 @@ void compare(std::uint64_t seed) {
         for (std::size_t p = 0; p < area; ++p)
             input.data()[p * C.input_stride + c] = static_cast<float>(in[c * area + p].value);
     constexpr std::size_t output_area = C.output_rows() * C.output_columns();
-    support::guarded_map output(output_area * C.output_stride(), 12345, C.adds ? 0.0f : NAN);
+    support::guarded_map output(output_area * C.output_stride(), 12345, C.accumulates ? 0.0f : NAN);
     support::sample added(C.filters * output_area);
-    for (std::size_t f = 0; f < C.filters && C.adds; ++f)
+    for (std::size_t f = 0; f < C.filters && C.accumulates; ++f)
         for (std::size_t p = 0; p < output_area; ++p) {
             added[f * output_area + p].value = static_cast<double>(support::draw(state));
             output.data()[p * C.output_stride() + f] = static_cast<float>(added[f * output_area + p].value);
@@ -72,7 +72,7 @@ void compare(std::uint64_t seed) {
 
     const support::sample expected = support::pooled_and_rectified(
         C, support::bounded_convolution(support::window_of(C.window), C.filters, weights, biases, in,
-                                        C.adds ? &added : nullptr, {Tile.rows, Tile.columns}));
+                                        C.accumulates ? &added : nullptr, {Tile.rows, Tile.columns}));
     REQUIRE(expected.size() == C.filters * output_area);
     CHECK(support::outputs_outside(expected, output_area, output.data(), C.output_stride()) == 0);
 }
@@ -86,13 +86,13 @@ constexpr frame_convolution step(shape in, extent2d kernel, std::size_t filters,
 /// Behind it a max pool of windows side by side; `whole` leaves out windows that the image does not fill.
 constexpr frame_convolution pooled(frame_convolution c, extent2d pool, bool whole = false) {
     const std::size_t rows = c.window.output_rows(), columns = c.window.output_columns();
-    c.pool = pool, c.rectified = true;
+    c.pool = pool, c.relu = true;
     c.pooled_rows = whole ? rows / pool.rows : (rows + pool.rows - 1) / pool.rows;
     c.pooled_columns = whole ? columns / pool.columns : (columns + pool.columns - 1) / pool.columns;
     return c;
 }
-constexpr frame_convolution adding(frame_convolution c, bool rectified) {
-    c.adds = true, c.rectified = rectified;
+constexpr frame_convolution adding(frame_convolution c, bool relu) {
+    c.accumulates = true, c.relu = relu;
     return c;
 }
 

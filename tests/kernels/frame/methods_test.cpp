@@ -18,7 +18,7 @@ constexpr frame_convolution step(shape in, extent2d kernel, std::size_t filters,
             .input_stride = input_stride};
 }
 constexpr frame_convolution pooled(frame_convolution c) {
-    c.pool = 2, c.rectified = true;
+    c.pool = 2, c.relu = true;
     c.pooled_rows = (c.window.output_rows() + 1) / 2, c.pooled_columns = (c.window.output_columns() + 1) / 2;
     return c;
 }

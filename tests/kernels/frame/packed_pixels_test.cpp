@@ -20,7 +20,7 @@ constexpr frame_convolution step(extent2d image, extent2d kernel, std::size_t fi
     return {.window = sliding_window::over({image.rows, image.columns, 1}, kernel, 1, around),
             .filters = filters,
             .input_stride = 1,
-            .rectified = true};
+            .relu = true};
 }
 /// Behind it a max pool of windows side by side, of which the last ones may be cut.
 constexpr frame_convolution pooled(frame_convolution c, extent2d pool) {
@@ -115,7 +115,7 @@ TEST_SUITE("kernels") {
             change(c);
             return c;
         };
-        CHECK_FALSE(packed_pixels_method<changed([](auto& c) { c.adds = true; })>::applicable);
+        CHECK_FALSE(packed_pixels_method<changed([](auto& c) { c.accumulates = true; })>::applicable);
         CHECK_FALSE(packed_pixels_method<changed([](auto& c) { c.window.input.channels = 2; })>::applicable);
         CHECK_FALSE(packed_pixels_method<changed([](auto& c) { c.window.stride = 2; })>::applicable);
         CHECK_FALSE(packed_pixels_method<changed([](auto& c) { c.map_stride = 64; })>::applicable);

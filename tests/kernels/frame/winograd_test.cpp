@@ -21,7 +21,7 @@ constexpr frame_convolution step(shape in, extent2d kernel, std::size_t filters,
     return {.window = sliding_window::over(in, kernel, 1, padding::same),
             .filters = filters,
             .input_stride = input_stride,
-            .rectified = true};
+            .relu = true};
 }
 constexpr frame_convolution pooled(frame_convolution c) {
     c.pool = 2;
@@ -29,7 +29,7 @@ constexpr frame_convolution pooled(frame_convolution c) {
     return c;
 }
 constexpr frame_convolution adding(frame_convolution c) {
-    c.adds = true;
+    c.accumulates = true;
     return c;
 }
 
@@ -61,7 +61,7 @@ std::size_t other_bits(std::uint64_t seed) {
     method::pack(weight, biases.data(), packed.data());
 
     support::guarded_map found(Frames * output_distance, 1, NAN), expected(Frames * output_distance, 1, NAN);
-    for (std::size_t frame = 0; frame < Frames && C.adds; ++frame)
+    for (std::size_t frame = 0; frame < Frames && C.accumulates; ++frame)
         for (std::size_t i = 0; i < outputs; ++i)
             found.data()[frame * output_distance + i] = expected.data()[frame * output_distance + i] =
                 support::draw(state);

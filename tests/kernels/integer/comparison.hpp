@@ -57,11 +57,11 @@ struct given {
         const double reach = 127.0 * widest * std::sqrt(static_cast<double>(C.taps()));
         for (std::size_t f = 0; f < C.filters; ++f) {
             starts[f] = below(200'001) - 100'000;
-            added[f] = C.adds ? below(1000) : 0;
+            added[f] = C.accumulates ? below(1000) : 0;
             factors[f] = static_cast<float>((0.2 + below(100) * 0.01) * (extreme ? 0.1 : 200) / reach);
         }
         zero = extreme ? 128 : below(256);
-        lowest = C.rectified ? zero : 0;
+        lowest = C.relu ? zero : 0;
         other.resize(C.output_rows() * C.output_columns() * C.output_stride());
         for (std::uint8_t& o : other)
             o = static_cast<std::uint8_t>(below(256));
@@ -78,7 +78,7 @@ struct given {
             for (std::size_t j = x * C.pool.columns; j < std::min((x + 1) * C.pool.columns, C.columns());
                  ++j) {
                 std::int64_t s = starts[f];
-                if (C.adds)
+                if (C.accumulates)
                     s += std::int64_t{added[f]} *
                          other[(i * C.output_columns() + j) * C.output_stride() + C.map_offset + f];
                 const std::size_t channels = w.input.channels / C.groups,
@@ -107,7 +107,7 @@ template <frame_convolution C, class Input, class Output, class Run>
 std::size_t outputs_differing(const given<C, Input>& numbers, const Run& run, std::size_t* saturated) {
     constexpr std::size_t pixels = C.output_rows() * C.output_columns(), stride = C.output_stride();
     std::vector<Output> map(pixels * stride + 64, Output{77});
-    if (C.adds)
+    if (C.accumulates)
         std::copy(numbers.other.begin(), numbers.other.end(), map.begin());
     run(map.data() + C.map_offset);
 
@@ -119,7 +119,7 @@ std::size_t outputs_differing(const given<C, Input>& numbers, const Run& run, st
                 numbers.factors[f];
             const Output found = map[pixel * stride + C.map_offset + f];
             if constexpr (std::is_same_v<Output, float>) {
-                const float expected = C.rectified && product < 0 ? 0.0f : product;
+                const float expected = C.relu && product < 0 ? 0.0f : product;
                 wrong += std::memcmp(&found, &expected, sizeof(float)) != 0;
             } else {
                 const double nearest = std::nearbyint(static_cast<double>(product));
@@ -194,12 +194,12 @@ constexpr frame_convolution of(shape input, std::size_t filters, extent2d kernel
 }
 /// With a max pool and a ReLU behind it.
 constexpr frame_convolution pooled(frame_convolution c, extent2d pool, std::size_t rows, std::size_t columns,
-                                   bool rectified = true) {
-    c.pool = pool, c.pooled_rows = rows, c.pooled_columns = columns, c.rectified = rectified;
+                                   bool relu = true) {
+    c.pool = pool, c.pooled_rows = rows, c.pooled_columns = columns, c.relu = relu;
     return c;
 }
-constexpr frame_convolution adding(frame_convolution c, bool rectified = false) {
-    c.adds = true, c.rectified = rectified;
+constexpr frame_convolution adding(frame_convolution c, bool relu = false) {
+    c.accumulates = true, c.relu = relu;
     return c;
 }
 constexpr frame_convolution grouped(frame_convolution c, std::size_t groups) {

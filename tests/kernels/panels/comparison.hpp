@@ -58,7 +58,7 @@ struct large_numbers {
                     laid_inputs.data()[frame * input_distance + p * c.input_stride + channel] =
                         static_cast<float>(value);
                 }
-            if (c.adds) {
+            if (c.accumulates) {
                 added[frame].resize(c.filters * c.output_rows() * c.output_columns());
                 for (bounded& a : added[frame])
                     a.value = next();
@@ -73,9 +73,9 @@ struct large_numbers {
     }
     /// Output maps before a run: the other terms of the sums, or NaN.
     [[nodiscard]] std::vector<float> fresh_outputs() const {
-        std::vector<float> maps(frames * output_distance, c.adds ? 0.0f : NAN);
+        std::vector<float> maps(frames * output_distance, c.accumulates ? 0.0f : NAN);
         const std::size_t area = c.output_rows() * c.output_columns();
-        for (std::size_t frame = 0; frame < frames && c.adds; ++frame)
+        for (std::size_t frame = 0; frame < frames && c.accumulates; ++frame)
             for (std::size_t f = 0; f < c.filters; ++f)
                 for (std::size_t p = 0; p < area; ++p)
                     maps[frame * output_distance + p * c.output_stride() + f] =
@@ -108,7 +108,7 @@ struct large_numbers {
         const std::size_t tiles = tactnet::kernels::large_convolution(c).tiles.outputs;
         const sample expected = pooled_and_rectified(
             c, bounded_convolution(window_of(c.window), c.filters, weights, biases, inputs[frame],
-                                   c.adds ? &added[frame] : nullptr, {tiles, tiles}));
+                                   c.accumulates ? &added[frame] : nullptr, {tiles, tiles}));
         const std::size_t area = c.output_rows() * c.output_columns();
         return (expected.size() != area * c.filters) +
                outputs_outside(expected, area, found + frame * output_distance, c.output_stride());

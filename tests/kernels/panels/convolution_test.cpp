@@ -79,12 +79,12 @@ TEST_CASE("convolve_panels: kernels, steps and paddings") {
 }
 
 TEST_CASE("convolve_panels: sums and ReLU") {
-    for (const bool rectified : {false, true}) {
+    for (const bool relu : {false, true}) {
         frame_convolution c = step({9, 11, 140}, 1, several_lanes, 140);
-        c.adds = true, c.rectified = rectified;
+        c.accumulates = true, c.relu = relu;
         support::compare_large(c, 0, 1);
         c = step({9, 11, 60}, 5, 2 * several_lanes, 64);
-        c.adds = true, c.rectified = rectified;
+        c.accumulates = true, c.relu = relu;
         support::compare_large(c, 0, 2);
     }
 }

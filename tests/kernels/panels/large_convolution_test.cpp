@@ -20,7 +20,7 @@ constexpr frame_convolution step(shape in, extent2d kernel, std::size_t filters,
     return {.window = sliding_window::over(in, kernel, stride, around),
             .filters = filters,
             .input_stride = in.channels,
-            .rectified = true};
+            .relu = true};
 }
 
 } // namespace

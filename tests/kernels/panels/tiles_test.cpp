@@ -20,7 +20,7 @@ frame_convolution step(shape in, std::size_t filters, padding around = padding::
 /// Behind it a max pool of 2 × 2; `whole` leaves out windows that the image does not fill.
 frame_convolution pooled(frame_convolution c, bool whole) {
     const std::size_t rows = c.window.output_rows(), columns = c.window.output_columns();
-    c.pool = 2, c.rectified = true;
+    c.pool = 2, c.relu = true;
     c.pooled_rows = whole ? rows / 2 : (rows + 1) / 2;
     c.pooled_columns = whole ? columns / 2 : (columns + 1) / 2;
     return c;
@@ -54,11 +54,11 @@ TEST_CASE("convolve_tiles: pools, sums and ReLU") {
         support::compare_large(pooled(step({27, 29, several_lanes}, several_lanes), whole), 4, 2);
     for (frame_convolution c :
          {step({9, 14, several_lanes}, several_lanes), step({24, 27, several_lanes}, several_lanes)}) {
-        c.adds = true;
+        c.accumulates = true;
         const std::size_t outputs = kernels::tile_plan(c).outputs;
         CHECK(outputs > 0);
         support::compare_large(c, outputs, 3);
-        c.rectified = true;
+        c.relu = true;
         support::compare_large(c, outputs, 4);
     }
 }

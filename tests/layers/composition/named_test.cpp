@@ -54,6 +54,6 @@ TEST_CASE("named: a name that was given is never numbered") {
 // A name changes no layer, and layers are joined under whatever name.
 using plain = sequence<conv2d<2, 3>, batch_norm, relu, max_pool<2>>;
 using with_names = sequence<named<"c", conv2d<2, 3>>, named<"b", batch_norm>, named<"r", relu>, max_pool<2>>;
-static_assert(std::is_same_v<fused<plain>, fused<with_names>>);
+static_assert(std::is_same_v<with_fused_norms<plain>, with_fused_norms<with_names>>);
 static_assert(std::is_same_v<named<"n", relu>::layer<float, shape{2, 2}>, relu::layer<float, shape{2, 2}>>);
 static_assert(network<shape{3, 3}, named<"head", sequential<dense<3>, softmax>>>::ends_in_softmax);

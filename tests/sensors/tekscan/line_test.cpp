@@ -16,7 +16,7 @@ using kind = tactnet::tekscan_line_kind;
 std::string unquoted;
 
 tekscan_line read(std::string_view text) {
-    return tactnet::read_data_line({.text = text, .byte = 7, .number = 3}, unquoted);
+    return tactnet::detail::read_data_line({.text = text, .byte = 7, .number = 3}, unquoted);
 }
 
 TEST_CASE("read_data_line: what each line is, with or without what spreadsheets add") {
@@ -54,13 +54,13 @@ TEST_CASE("read_data_line: in messages a line is quoted and cut, the end of the 
 }
 
 TEST_CASE("read_header_line: key, value, and whether the data begin") {
-    const auto line = tactnet::read_header_line("\"ROW_SPACING\",0.127,centimeters,,", unquoted);
+    const auto line = tactnet::detail::read_header_line("\"ROW_SPACING\",0.127,centimeters,,", unquoted);
     CHECK(line.key == "ROW_SPACING");
     CHECK(line.value == "0.127,centimeters");
     CHECK(line.text == "ROW_SPACING,0.127,centimeters");
     CHECK((line.followed_by == tekscan_part::header));
     const auto after = [](std::string_view text) {
-        return tactnet::read_header_line(text, unquoted).followed_by;
+        return tactnet::detail::read_header_line(text, unquoted).followed_by;
     };
     CHECK((after(" ASCII_DATA\t@@ ,,") == tekscan_part::cells));
     CHECK((after("ASCII_DATA") == tekscan_part::cells));

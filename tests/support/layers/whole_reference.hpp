@@ -62,10 +62,10 @@ struct reference_range {
 
 /// sum × factor in single precision, to the nearest whole number, ties to the even one, beside the zero,
 /// within the range.
-inline std::int64_t reference_byte(std::int64_t sum, float factor, std::int64_t zero, bool rectified) {
+inline std::int64_t reference_byte(std::int64_t sum, float factor, std::int64_t zero, bool relu) {
     const float product = static_cast<float>(sum) * factor;
     const double byte = std::nearbyint(static_cast<double>(product)) + static_cast<double>(zero);
-    return static_cast<std::int64_t>(std::clamp(byte, rectified ? static_cast<double>(zero) : 0.0, 255.0));
+    return static_cast<std::int64_t>(std::clamp(byte, relu ? static_cast<double>(zero) : 0.0, 255.0));
 }
 
 /// A filter in whole numbers: weights of at most 127 steps, and what a step of the sum stands for.
@@ -120,7 +120,7 @@ whole_map reference_convolution(const float* folded, const whole_map& in, const 
     const float* const steps = biases + C.filters;
     const float* at = steps + C.filters;
     const reference_range input = reference_range::next(at);
-    const reference_range added = C.adds ? reference_range::next(at) : reference_range{};
+    const reference_range added = C.accumulates ? reference_range::next(at) : reference_range{};
     const reference_range output = WritesBytes ? reference_range::next(at) : reference_range{};
 
     // Padding holds the zero of the map.
@@ -136,7 +136,7 @@ whole_map reference_convolution(const float* folded, const whole_map& in, const 
     whole_map result(tactnet::shape{pooled_rows, pooled_columns, C.filters});
     for (std::size_t f = 0; f < C.filters; ++f) {
         const reference_filter filter(folded + f * of_one, of_one, static_cast<double>(biases[f]),
-                                      static_cast<double>(steps[f]), input, C.adds ? &added : nullptr,
+                                      static_cast<double>(steps[f]), input, C.accumulates ? &added : nullptr,
                                       ReadsWords ? 32768 : 255);
         const std::size_t first = f / (C.filters / C.groups) * in_group;
         std::vector<std::int64_t> sums(area, filter.bias), of_pair(area);
@@ -154,7 +154,7 @@ whole_map reference_convolution(const float* folded, const whole_map& in, const 
                     }
                 }
             });
-        for (std::size_t o = 0; C.adds && o < area; ++o)
+        for (std::size_t o = 0; C.accumulates && o < area; ++o)
             sums[o] += filter.added * (other.whole[o * other.channels + f] - added.zero);
         std::vector<std::int64_t> largest(pooled_rows * pooled_columns,
                                           std::numeric_limits<std::int64_t>::min());
@@ -164,12 +164,10 @@ whole_map reference_convolution(const float* folded, const whole_map& in, const 
         const auto factor = static_cast<float>(WritesBytes ? filter.unit / output.scale : filter.unit);
         for (std::size_t o = 0; o < largest.size(); ++o)
             if (WritesBytes)
-                result.whole[o * C.filters + f] =
-                    reference_byte(largest[o], factor, output.zero, C.rectified);
+                result.whole[o * C.filters + f] = reference_byte(largest[o], factor, output.zero, C.relu);
             else
                 result.floats[o * C.filters + f] =
-                    static_cast<float>(C.rectified ? std::max<std::int64_t>(largest[o], 0) : largest[o]) *
-                    factor;
+                    static_cast<float>(C.relu ? std::max<std::int64_t>(largest[o], 0) : largest[o]) * factor;
     }
     return result;
 }

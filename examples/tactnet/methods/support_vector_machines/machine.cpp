@@ -155,7 +155,7 @@ std::vector<double> support_vector_machine::values(feature_list rows, tactnet::t
 
 scored_class support_vector_machine::decide(std::span<const double> values) const {
     const std::size_t classes = labels().size();
-    const std::size_t found = tactnet::decide(values, classes, scheme());
+    const std::size_t found = tactnet::winning_class(values, classes, scheme());
     double score = std::numeric_limits<double>::infinity();
     if (scheme() == tactnet::multiclass::one_versus_rest) {
         score = values[found];

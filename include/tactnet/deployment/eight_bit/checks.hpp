@@ -140,12 +140,11 @@ private:
     std::optional<folded_problem> problem_;
 };
 
-} // namespace detail
-
 /// Returns the first problem of the folded numbers of a layout, if there is one.
 [[nodiscard]] [[gnu::cold]] inline std::optional<folded_problem> find_problem(const folded_layout& layout,
                                                                               std::span<const float> folded) {
-    return detail::folded_checker(layout, folded).problem();
+    return folded_checker(layout, folded).problem();
 }
 
+} // namespace detail
 }} // namespace tactnet

@@ -71,14 +71,14 @@ struct filter_scale {
 /// numbers; the caller checks whether sums fit into 32 bits.
 [[nodiscard]] [[gnu::noinline]] constexpr filter_scale filter_of(const float* weights, std::size_t count,
                                                                  double bias, float weight_scale,
-                                                                 const step_ranges& ranges, bool adds,
+                                                                 const step_ranges& ranges, bool accumulates,
                                                                  double largest_input, int offset) {
     // Nothing larger fits, and integers of 64 bits still hold it.
     const auto whole = [](double value) { return nearest_even(std::clamp(value, -0x1p40, 0x1p40)); };
     filter_scale result;
     result.weight_scale = static_cast<double>(weight_scale);
     result.unit = result.weight_scale * static_cast<double>(ranges.input.scale);
-    if (adds) // 0 or 1 for a step that is finer than a unit
+    if (accumulates) // 0 or 1 for a step that is finer than a unit
         result.added = whole(static_cast<double>(ranges.added.scale) / result.unit);
     double of_magnitudes = 0;
     std::int64_t of_weights = 0;
@@ -102,7 +102,7 @@ struct filter_scale {
 /// scale tried.
 [[nodiscard]] [[gnu::noinline]] constexpr float scale_of_filter(const float* weights, std::size_t count,
                                                                 double bias, const step_ranges& ranges,
-                                                                bool adds, double largest_input) {
+                                                                bool accumulates, double largest_input) {
     // Scales are normal numbers in single precision, so that files can hold them.
     constexpr double least = static_cast<double>(std::numeric_limits<float>::min()), most = 0x1p99;
     double largest = 0;
@@ -115,7 +115,7 @@ struct filter_scale {
     double wanted = largest > 0 ? largest / 127 : of_bias;
     while (true) {
         wanted = std::clamp(wanted, least, most);
-        if (adds) {
+        if (accumulates) {
             // Slightly larger, so that the other map's step is a whole number of units: at most a million,
             // next to which smaller weights do not count.
             const auto times = static_cast<std::int64_t>(std::min(added_scale / (wanted * input_scale), 1e6));
@@ -124,7 +124,7 @@ struct filter_scale {
         }
         const auto scale = static_cast<float>(wanted);
         if (!(wanted < most) || !(input_scale > 0) ||
-            filter_of(weights, count, bias, scale, ranges, adds, largest_input, 0).fits())
+            filter_of(weights, count, bias, scale, ranges, accumulates, largest_input, 0).fits())
             return scale;
         wanted *= 2;
     }

@@ -134,7 +134,7 @@ template <class Network, class Format>
         classes += "    " + detail::string_literal(name) + ",\n";
     const bool on_stack = view::workspace_bytes <= view::max_stack_bytes;
     const bool when_compiling =
-        description.when.value_or(usual_packing(view::folded_elements)) == packing::when_compiling;
+        description.when.value_or(usual_packing(view::folded_elements)) == header_packing::when_compiling;
     return detail::filled(
         detail::header_form,
         {{"network", detail::one_line(description.network)},

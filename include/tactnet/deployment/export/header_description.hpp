@@ -14,15 +14,15 @@
 namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// When a program packs the weights of a header. Neither uses the heap.
-enum class packing {
+enum class header_packing {
     when_compiling, ///< into read-only memory. Clang needs -fconstexpr-steps=4000000 for TactNet-6; GCC's
                     ///< limits are enough
     at_start        ///< into static memory before main, or earlier if the compiler's limits allow it
 };
 /// The earliest packing within the default limits of GCC 12 and Clang 14 for every instruction set: Clang
 /// allows 1 048 576 steps, and needs 76 to 94 per weight of a Winograd convolution.
-[[nodiscard]] constexpr packing usual_packing(std::size_t folded_elements) {
-    return folded_elements <= 8192 ? packing::when_compiling : packing::at_start;
+[[nodiscard]] constexpr header_packing usual_packing(std::size_t folded_elements) {
+    return folded_elements <= 8192 ? header_packing::when_compiling : header_packing::at_start;
 }
 
 /// The text of a header besides its numbers.
@@ -30,7 +30,7 @@ struct header_description {
     std::string network;              ///< its name, for the comment on top; one line
     std::string namespace_name;       ///< the enclosing namespace: an identifier, or several with :: between
     std::vector<std::string> classes; ///< names of the first outputs, in order; may be fewer than outputs
-    std::optional<packing> when = {}; ///< by default usual_packing
+    std::optional<header_packing> when = {}; ///< by default usual_packing
 };
 
 /// Whether a text is an identifier, or several with :: between, that a program may define as namespaces: no

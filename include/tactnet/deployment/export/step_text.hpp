@@ -67,15 +67,14 @@ namespace detail {
 }
 [[nodiscard]] inline std::string text_of(const kernels::frame_convolution& c, const std::string& stride) {
     // The stride of the input is the exported one, and the last two concern a group of several alone.
-    const auto& [window, filters, input_stride, pool, pooled_rows, pooled_columns, rectified, adds, groups,
+    const auto& [window, filters, input_stride, pool, pooled_rows, pooled_columns, relu, accumulates, groups,
                  map_stride, map_offset, map_offset_multiple, input_offset_multiple] = c;
     std::string text = "tactnet::kernels::frame_convolution{\n    .window = " + text_of(window) +
                        ",\n    .filters = " + std::to_string(filters) + ", .input_stride = " + stride +
                        ", .pool = " + list_of(pool) + ", .pooled_rows = " + std::to_string(pooled_rows) +
-                       ", .pooled_columns = " + std::to_string(pooled_columns) +
-                       ", .rectified = " + text_of(rectified);
-    if (adds)
-        text += ", .adds = true";
+                       ", .pooled_columns = " + std::to_string(pooled_columns) + ", .relu = " + text_of(relu);
+    if (accumulates)
+        text += ", .accumulates = true";
     if (groups > 1)
         text += ", .groups = " + std::to_string(groups);
     if (map_stride > 0)
@@ -144,13 +143,13 @@ template <activation_function Function>
     std::string what = " " + size_of(c.window.kernel);
     if (c.window.stride != extent2d(1))
         what += " by steps of " + size_of(c.window.stride);
-    if (c.adds)
+    if (c.accumulates)
         what += ", sum with the other branch";
     if (c.groups > 1)
         what += " in " + std::to_string(c.groups) + " groups";
     if (c.pool != extent2d(1))
         what += ", max pool " + size_of(c.pool);
-    if (c.rectified)
+    if (c.relu)
         what += ", ReLU";
     return what;
 }

@@ -20,7 +20,7 @@ struct no_norm {
 struct convolution_epilogue {
     extent2d pool = 1; ///< window and stride of a max pool
     std::size_t pooled_rows = 0, pooled_columns = 0;
-    bool rectified = false, adds = false;
+    bool relu = false, accumulates = false;
     std::size_t map_stride = 0, map_offset = 0; ///< of a wider map with a slice for the output
 
     [[nodiscard]] constexpr bool pooled() const { return pooled_rows > 0; }
@@ -32,7 +32,7 @@ struct convolution_epilogue {
     }
     [[nodiscard]] constexpr convolution_epilogue with_relu() const {
         convolution_epilogue more = *this;
-        more.rectified = true;
+        more.relu = true;
         return more;
     }
     [[nodiscard]] constexpr convolution_epilogue in_slice(std::size_t stride, std::size_t offset) const {
@@ -52,8 +52,8 @@ struct lowered_convolution {
                                                        .pool = Epilogue.pool,
                                                        .pooled_rows = Epilogue.pooled_rows,
                                                        .pooled_columns = Epilogue.pooled_columns,
-                                                       .rectified = Epilogue.rectified,
-                                                       .adds = Epilogue.adds,
+                                                       .relu = Epilogue.relu,
+                                                       .accumulates = Epilogue.accumulates,
                                                        .groups = layer::groups,
                                                        .map_stride = Epilogue.map_stride,
                                                        .map_offset = Epilogue.map_offset};
@@ -72,7 +72,7 @@ struct lowered_convolution {
     template <class Spec, class NextPlace>
     static constexpr auto fuse() {
         if constexpr (scales_channels<Spec, NextPlace>) {
-            if constexpr (std::is_same_v<Norm, no_norm> && !Epilogue.pooled() && !Epilogue.rectified)
+            if constexpr (std::is_same_v<Norm, no_norm> && !Epilogue.pooled() && !Epilogue.relu)
                 return std::type_identity<
                     lowered_convolution<Place, channel_constants<Spec, NextPlace>, Epilogue>>{};
             else
@@ -90,9 +90,9 @@ struct lowered_convolution {
 
     /// The last convolution of a residual block's main branch: the sum comes before everything else.
     template <bool Rectified>
-        requires(!Epilogue.pooled() && !Epilogue.rectified)
+        requires(!Epilogue.pooled() && !Epilogue.relu)
     using adding =
-        lowered_convolution<Place, Norm, convolution_epilogue{.rectified = Rectified, .adds = true}>;
+        lowered_convolution<Place, Norm, convolution_epilogue{.relu = Rectified, .accumulates = true}>;
 
     using as_output = lowered_convolution<typename Place::as_output, Norm, Epilogue>;
 

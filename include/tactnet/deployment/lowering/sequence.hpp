@@ -109,14 +109,14 @@ private:
 
     /// A lowered layer with all that it fuses, and the first layer after these.
     template <class Lowered, std::size_t Next>
-    struct fused {
+    struct fusion {
         using type = Lowered;
         static constexpr std::size_t next = Next;
     };
     template <class Lowered, std::size_t I>
     static constexpr auto fuse_from() {
         if constexpr (I >= layers) {
-            return fused<Lowered, I>{};
+            return fusion<Lowered, I>{};
         } else if constexpr (inference_no_op<spec<I>>) {
             return fuse_from<Lowered, I + 1>();
         } else {
@@ -126,7 +126,7 @@ private:
             else if constexpr (fuses_output<Lowered, spec<I>, next>)
                 return fuse_from<typename lowering<spec<I>>::template output_fused<Lowered>, I + 1>();
             else
-                return fused<Lowered, I>{};
+                return fusion<Lowered, I>{};
         }
     }
 

@@ -72,7 +72,7 @@ void run_batch(const typename Step::format::packed_number* packed,
         "the workspace of a step must be whole cache lines, so that the one of the next frame is aligned");
     if constexpr (requires { Step::run_batch(packed, in, in_distance, out, memory, executor); }) {
         Step::run_batch(packed, in, in_distance, out, memory, executor);
-    } else if constexpr (requires { Step::run_share(packed, in, out, memory, kernels::large_job{}); }) {
+    } else if constexpr (requires { Step::run_share(packed, in, out, memory, kernels::layerwise_job{}); }) {
         const std::size_t workspaces = executor.copies() / executor.threads();
         executor.pool.on_each_thread([&](work_share share) {
             Step::run_share(packed, in, out, memory + share.index * workspaces * Step::workspace_elements,

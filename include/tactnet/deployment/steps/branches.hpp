@@ -43,7 +43,7 @@ struct residual_step : step_defaults {
     static constexpr std::size_t workspace_elements =
         std::max(Main::workspace_elements, aside + Skip::workspace_elements);
 
-    static constexpr bool large = Main::large || Skip::large;
+    static constexpr bool layerwise = Main::layerwise || Skip::layerwise;
 
     static constexpr void pack(const float* from, packed_number* to) {
         Main::pack(from, to);
@@ -177,7 +177,7 @@ public:
          ...);
         clear_rest(out);
     }
-    static constexpr bool large = (Branches::step::large || ...);
+    static constexpr bool layerwise = (Branches::step::layerwise || ...);
     /// Only if all branches write their slices of the map.
     template <class Executor>
         requires((aside<Branches> == 0 && !passes_input_on<Branches>)&&...)

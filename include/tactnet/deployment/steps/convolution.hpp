@@ -40,7 +40,7 @@ struct convolution_step<single_precision, Kernel>
     static constexpr kernels::frame_convolution kernel = Kernel;
     /// Whether no other step writes to the map.
     static constexpr bool fills_map = Kernel.map_stride == 0;
-    static constexpr bool large = method::large;
+    static constexpr bool layerwise = method::layerwise;
     static constexpr std::size_t weights = Kernel.filters * Kernel.taps();
     static constexpr std::size_t folded_elements = weights + Kernel.filters;
     static constexpr std::size_t packed_elements = method::packed_elements;
@@ -62,7 +62,7 @@ struct convolution_step<single_precision, Kernel>
     }
     /// The share of one thread in a job.
     static void run_share(const float* packed_values, const float* in, float* out, float* workspace,
-                          const kernels::large_job& job) noexcept requires large {
+                          const kernels::layerwise_job& job) noexcept requires layerwise {
         method::run_share(packed_values, in, out + Kernel.map_offset, workspace, job);
     }
     /// Several frames in each call of the method while every thread has so many, then the others one by one.
@@ -107,7 +107,7 @@ struct dense_step<single_precision, Kernel>
     : step_base<single_precision, shape{1, 1, Kernel.outputs}, kernels::dense_method<Kernel>::output_stride> {
     using method = kernels::dense_method<Kernel>;
     static constexpr kernels::frame_dense kernel = Kernel;
-    static constexpr bool large = method::large;
+    static constexpr bool layerwise = method::layerwise;
     static constexpr std::size_t weights = Kernel.outputs * Kernel.input.size();
     static constexpr std::size_t folded_elements = weights + Kernel.outputs;
     static constexpr std::size_t packed_elements = method::packed_elements;
@@ -128,7 +128,7 @@ struct dense_step<single_precision, Kernel>
     /// As many frames as registers allow read each weight once.
     template <class Executor>
     static void run_batch(const float* packed_values, const float* in, std::size_t in_distance, float* out,
-                          float*, const Executor& executor) requires(!large) {
+                          float*, const Executor& executor) requires(!layerwise) {
         constexpr std::size_t out_distance = detail::map_distance<dense_step>, most = method::frames_together;
         executor.pool.for_each(detail::ceil_div(executor.frames, most), [&](std::size_t call) {
             const std::size_t first = call * most, count = std::min(most, executor.frames - first);
@@ -138,7 +138,7 @@ struct dense_step<single_precision, Kernel>
     }
     /// The share of one thread in a job.
     static void run_share(const float* packed_values, const float* in, float* out, float* workspace,
-                          const kernels::large_job& job) noexcept requires large {
+                          const kernels::layerwise_job& job) noexcept requires layerwise {
         method::run_share(packed_values, in, out, workspace, job);
     }
 };

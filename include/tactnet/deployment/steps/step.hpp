@@ -21,7 +21,7 @@
 //   output_bound            in single precision: the largest magnitude of an output if inputs have at most
 //                           `input`
 // Members with a default in step_defaults:
-//   large                   whether to prefer layer-wise batching, and all threads for one frame
+//   layerwise               whether to prefer layer-wise batching, and all threads for one frame
 //   fills_map               false if it writes only some channels of a map that other steps write to
 //   gives_probabilities     true if its outputs are probabilities
 //   number_elements         elements of the map that a number of its output takes, if not one
@@ -56,7 +56,7 @@ struct output_stage;
 /// The optional members of a step, as most steps have them. Derive from it, and hide what differs.
 struct step_defaults {
     static constexpr std::size_t folded_elements = 0, packed_elements = 0, workspace_elements = 0;
-    static constexpr bool large = false, fills_map = true, gives_probabilities = false;
+    static constexpr bool layerwise = false, fills_map = true, gives_probabilities = false;
     static constexpr std::size_t number_elements = 1;
 };
 
@@ -70,7 +70,7 @@ concept deployed_step = requires(const float* folded, typename Step::format::pac
     {
         Step::output_stride + Step::folded_elements + Step::packed_elements + Step::workspace_elements
         } -> std::convertible_to<std::size_t>;
-    { Step::large || Step::fills_map || Step::gives_probabilities } -> std::convertible_to<bool>;
+    { Step::layerwise || Step::fills_map || Step::gives_probabilities } -> std::convertible_to<bool>;
     Step::pack(folded, to);
     { Step::run(packed, in, out, out) }
     noexcept;

@@ -107,7 +107,7 @@ template <frame_dense D, std::size_t Frames = 1>
 template <frame_dense D>
 struct direct_dense_method {
     static constexpr const char* name = "direct";
-    static constexpr bool applicable = true, large = false;
+    static constexpr bool applicable = true, layerwise = false;
     static constexpr std::uint64_t cost =
         std::uint64_t{D.inputs()} * D.vectors() * frame_method::product * (D.exceeds_near_caches() ? 16 : 1);
     static constexpr std::size_t output_stride = D.output_stride();

@@ -49,7 +49,7 @@ template <frame_convolution C, std::size_t Columns, std::size_t MissingLeft, std
 #pragma GCC unroll 64
             for (std::size_t p = 0; p < Columns; ++p) {
                 sums[begun][p] = start;
-                if constexpr (C.adds)
+                if constexpr (C.accumulates)
                     if (y < out_rows)
                         sums[begun][p] = start + load_as<wide>(at(y, p));
             }
@@ -93,7 +93,7 @@ template <frame_convolution C, std::size_t Columns, std::size_t MissingLeft, std
                     if (!ends_window)
                         continue;
                 }
-                if constexpr (C.rectified)
+                if constexpr (C.relu)
                     value = maximum_or_second(wide(0.0f), value);
                 store_as(at(y / C.pool.rows, o), value);
             }
@@ -136,7 +136,7 @@ struct depthwise_method : frame_method {
     }
     static void run(const float* packed, const float* in, float* out,
                     [[maybe_unused]] float* workspace) noexcept {
-        static_assert(!C.adds || C.pool == extent2d(1), "depthwise_method: a sum is not pooled");
+        static_assert(!C.accumulates || C.pool == extent2d(1), "depthwise_method: a sum is not pooled");
         if constexpr (copied) {
             float* to = workspace;
             for (std::size_t pixel = 0; pixel < C.window.input.area(); ++pixel, in += C.input_stride) {

@@ -42,7 +42,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
         const wide start = load_as<wide>(bias + v * width);
 #pragma GCC unroll 64
         for (std::size_t p = 0; p < Rows * Columns; ++p)
-            if constexpr (C.adds)
+            if constexpr (C.accumulates)
                 sums[p][v] = start + load_as<wide>(output +
                                                    (p / Columns * C.output_columns() + p % Columns) *
                                                        C.output_stride() +
@@ -100,7 +100,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
             for (std::size_t i = 1; i < high * across; ++i)
                 largest =
                     maximum_or_second(sums[(top + i / across) * Columns + left + i % across][v], largest);
-            if constexpr (C.rectified)
+            if constexpr (C.relu)
                 largest = maximum_or_second(wide(0.0f), largest);
             store_as(output +
                          (o / pooled_columns * C.output_columns() + o % pooled_columns) * C.output_stride() +
@@ -195,7 +195,7 @@ struct direct_method : frame_method {
                   C.window.input.channels, C.window.kernel, to);
     }
     static void run(const float* packed, const float* in, float* out, float*) noexcept {
-        static_assert(!C.adds || C.pool == extent2d(1), "direct_method: a sum is not pooled");
+        static_assert(!C.accumulates || C.pool == extent2d(1), "direct_method: a sum is not pooled");
         const float* const biases = packed + packed_weights;
         blocked<C.vectors(), C.block_vectors()>([&](auto vectors, std::size_t first_vector) {
             const std::size_t first = first_vector * C.width();

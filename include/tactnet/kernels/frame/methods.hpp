@@ -59,7 +59,7 @@ struct separate_groups_method : frame_method {
     static constexpr bool applicable = C.separable_groups();
     using method = convolution_method<applicable ? C.one_group() : C.ungrouped()>;
     static constexpr extent2d tile = method::tile;
-    static constexpr bool large = method::large;
+    static constexpr bool layerwise = method::layerwise;
     static constexpr std::uint64_t cost = C.groups * method::cost;
     static constexpr std::size_t packed_elements = C.groups * method::packed_elements;
     static constexpr std::size_t workspace_elements = method::workspace_elements;
@@ -79,7 +79,7 @@ struct separate_groups_method : frame_method {
                         out + group * filters, workspace);
     }
     static void run_share(const float* packed, const float* in, float* out, float* workspace,
-                          const large_job& job) noexcept requires large {
+                          const layerwise_job& job) noexcept requires layerwise {
         for (std::size_t group = 0; group < C.groups; ++group)
             method::run_share(packed + group * method::packed_elements, in + group * channels,
                               out + group * filters, workspace, job);

@@ -29,7 +29,7 @@ struct packed_pixels {
     static constexpr bool applicable =
         pixels > 1 &&
         C.vectors() == 1 && C.window.input.channels == 1 && C.groups == 1 && C.window.stride == extent2d(1) &&
-        !C.adds && C.map_stride == 0 && pixels % C.pool.columns == 0 && C.columns() >= pixels;
+        !C.accumulates && C.map_stride == 0 && pixels % C.pool.columns == 0 && C.columns() >= pixels;
 
     static constexpr std::size_t vectors = ceil_div(C.columns(), pixels); ///< of a row of outputs
     static constexpr std::size_t rows = C.block_rows(); ///< of outputs that are computed together
@@ -119,7 +119,7 @@ convolve_packed_block(const std::array<const float*, packed_pixels<C>::footprint
 #pragma GCC unroll 64
             for (std::size_t y = o * C.pool.rows + 1; y < end; ++y)
                 largest = maximum_or_second(sums[y][v], largest);
-            if constexpr (C.rectified)
+            if constexpr (C.relu)
                 largest = maximum_or_second(vector<float>(0.0f), largest);
             store(map.data() + (o * Vectors + v) * lanes<float>, largest);
         }

@@ -145,9 +145,9 @@ template <frame_convolution C, extent2d Outputs, std::size_t Frames, std::size_t
                                       (row / C.pool.rows * C.output_columns() + column / C.pool.columns) *
                                           C.output_stride() +
                                       v * width;
-                    if constexpr (C.adds)
+                    if constexpr (C.accumulates)
                         value = value + load_as<wide>(to);
-                    if constexpr (C.rectified)
+                    if constexpr (C.relu)
                         value = maximum_or_second(wide(0.0f), value);
                     store_as(to, value);
                 }
@@ -218,7 +218,7 @@ struct winograd_method : frame_method {
     template <std::size_t Frames>
     static void run_list(const float* packed, const float* input, std::size_t input_distance, float* output,
                          std::size_t output_distance, float* workspace) noexcept {
-        static_assert(!C.adds || C.pool == extent2d(1), "winograd_method: a sum is not pooled");
+        static_assert(!C.accumulates || C.pool == extent2d(1), "winograd_method: a sum is not pooled");
         using tiles = winograd_tiles<C, Outputs, Frames>;
         static_assert(tiles::workspace <= Frames * workspace_elements);
         const float* const bias = packed + packed_weights;

@@ -96,7 +96,7 @@ convolve_depthwise_block(const std::uint8_t* staged, const std::int8_t* weights,
 #pragma GCC unroll 64
         for (std::size_t p = 0; p < Rows * Columns; ++p) {
             sums[p] = epilogue.start<lanes>(v);
-            if constexpr (C.adds) {
+            if constexpr (C.accumulates) {
                 constexpr uint8_vec<block> none{};
                 const auto other = interleave<lanes>(
                     load_first<block, Channels>(pixel(p / Columns, p % Columns)), none, none, none);
@@ -136,7 +136,7 @@ convolve_depthwise_block(const std::uint8_t* staged, const std::int8_t* weights,
                 results[o][v] = rounded<lanes>(largest, epilogue.factor<lanes>(v), epilogue.range);
             else
                 results[o][v] = reinterpret_cast<sum>(
-                    epilogue.unrounded<lanes, C.rectified>(largest, epilogue.factor<lanes>(v)));
+                    epilogue.unrounded<lanes, C.relu>(largest, epilogue.factor<lanes>(v)));
         }
     }
 #pragma GCC unroll 64

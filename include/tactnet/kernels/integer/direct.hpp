@@ -40,7 +40,7 @@ convolve_integer_block(const typename Layout::staged* input, const typename Layo
 #pragma GCC unroll 64
         for (std::size_t p = 0; p < Rows * Columns; ++p) {
             sums[p][v] = start;
-            if constexpr (C.adds)
+            if constexpr (C.accumulates)
                 sums[p][v] += epilogue.added_term<width>(
                     output + (p / Columns * C.output_columns() + p % Columns) * C.output_stride() + v * width,
                     v);
@@ -101,7 +101,7 @@ convolve_integer_block(const typename Layout::staged* input, const typename Layo
                 const sum& other = sums[(top + i / across) * Columns + left + i % across][v];
                 largest = other > largest ? other : largest;
             }
-            epilogue.store<width, C.rectified>(
+            epilogue.store<width, C.relu>(
                 output + (o / pooled_columns * C.output_columns() + o % pooled_columns) * C.output_stride() +
                     v * width,
                 largest, factors);

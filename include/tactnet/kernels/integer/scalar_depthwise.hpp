@@ -46,7 +46,7 @@ struct scalar_depthwise_method {
                         taps[count++] = pixel(input, workspace, y, x, tap);
             for (std::size_t f = 0; f < C.padded_filters(); ++f) {
                 int32_vec<1> start = epilogue.start<1>(f), largest{};
-                if constexpr (C.adds)
+                if constexpr (C.accumulates)
                     start += epilogue.added_term<1>(output + f, f);
                 for (std::size_t first = 0; first < count; first += area) {
                     std::int32_t sum = start[0];
@@ -54,7 +54,7 @@ struct scalar_depthwise_method {
                         sum += packed[tap * C.filters + f] * taps[first + tap][f];
                     largest[0] = first == 0 ? sum : std::max<std::int32_t>(largest[0], sum);
                 }
-                epilogue.store<1, C.rectified>(output + f, largest, epilogue.factor<1>(f));
+                epilogue.store<1, C.relu>(output + f, largest, epilogue.factor<1>(f));
             }
         }
     }

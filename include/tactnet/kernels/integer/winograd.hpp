@@ -138,8 +138,8 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
                     largest = larger(y[2], largest);
                 if (right && below)
                     largest = larger(y[3], largest);
-                epilogue.store<width, C.rectified>(output + tile * C.output_stride() + v * width, largest,
-                                                   factors);
+                epilogue.store<width, C.relu>(output + tile * C.output_stride() + v * width, largest,
+                                              factors);
             } else {
 #pragma GCC unroll 64
                 for (std::size_t i = 0; i < 4; ++i) {
@@ -148,9 +148,9 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
                     Output* const to =
                         output + ((top + i / 2) * C.output_columns() + left + i % 2) * C.output_stride() +
                         v * width;
-                    if constexpr (C.adds)
+                    if constexpr (C.accumulates)
                         y[i] += epilogue.added_term<width>(to, v);
-                    epilogue.store<width, C.rectified>(to, y[i], factors);
+                    epilogue.store<width, C.relu>(to, y[i], factors);
                 }
             }
         }

@@ -173,8 +173,8 @@ void convolve_panels(const panel_plan& plan, const panel_share& share, const flo
                 const float* const at =
                     from + part.row * row_distance + part.column * plan.stride + part.channel;
                 const epilogue end{.bias = part.first == 0 ? bias : nullptr,
-                                   .adds = part.first > 0 || c.adds,
-                                   .rectified = c.rectified && part.first + part.lines * part.depth == taps};
+                                   .accumulates = part.first > 0 || c.accumulates,
+                                   .relu = c.relu && part.first + part.lines * part.depth == taps};
                 for (std::size_t panel = share.first_panel; panel < share.last_panel; ++panel)
                     for (std::size_t r = 0; r < rows; ++r) {
                         const bool one = rows * columns == 1; // a single row takes all panels

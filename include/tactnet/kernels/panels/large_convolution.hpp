@@ -15,7 +15,7 @@
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// Frames whose maps lie so many elements apart, and the share that one thread computes.
-struct large_job {
+struct layerwise_job {
     std::size_t frames = 1, input_distance = 0, output_distance = 0;
     work_share share;
     std::size_t workspaces = 1; ///< how many workspaces of a plan the memory of the thread holds
@@ -62,7 +62,7 @@ struct large_convolution {
 /// Computes the share of one thread of a convolution and its epilogue. `memory` is the workspace of that
 /// thread.
 template <class = void>
-void convolve_large(const large_convolution& plan, const large_job& job, const float* input,
+void convolve_large(const large_convolution& plan, const layerwise_job& job, const float* input,
                     const float* weights, const float* bias, float* output, float* memory) {
     const filter_panels filters(plan.tiles.convolution.padded_filters());
     // Threads share what is larger: the weights, which then each reads in part, or the maps.
@@ -110,7 +110,7 @@ struct panel_method : frame_method {
     static constexpr const char* name = "panels";
     static constexpr large_convolution plan{C};
     static constexpr bool applicable = large_convolution::fits(C) && C.exceeds_near_caches();
-    static constexpr bool large = true;
+    static constexpr bool layerwise = true;
     static constexpr extent2d tile = plan.tiles.outputs;
     static constexpr std::uint64_t cost = plan.cost();
     static constexpr std::size_t packed_weights = pad_to_cache_line(plan.weights());
@@ -126,7 +126,7 @@ struct panel_method : frame_method {
         run_share(packed, in, out, workspace, {});
     }
     static void run_share(const float* packed, const float* in, float* out, float* workspace,
-                          const large_job& job) noexcept {
+                          const layerwise_job& job) noexcept {
         convolve_large(plan, job, in, packed, packed + packed_weights, out, workspace);
     }
 };

@@ -36,7 +36,7 @@ struct tile_outputs {
     float* output;
     std::size_t row_distance, pixel_distance; ///< elements
     extent2d size;                            ///< outputs that are in the image, before a pool
-    bool adds, rectified;
+    bool accumulates, relu;
     bool pooled; ///< by a max pool of 2 × 2
 };
 
@@ -48,7 +48,7 @@ template <std::size_t Outputs>
     constexpr std::size_t side = Outputs + 2, all = Outputs * Outputs;
     using wide = vector<float>;
     const auto finished = [&](const wide& value) __attribute__((always_inline)) {
-        return to.rectified ? maximum_or_second(wide(0.0f), value) : value;
+        return to.relu ? maximum_or_second(wide(0.0f), value) : value;
     };
     for (std::size_t f = first; f < last; f += lanes<float>) {
         std::array<std::array<wide, side>, Outputs> half;
@@ -96,7 +96,7 @@ template <std::size_t Outputs>
                     continue;
                 float* const place =
                     to.output + i / Outputs * to.row_distance + i % Outputs * to.pixel_distance + f;
-                store_as(place, finished(to.adds ? values[i] + load_as<wide>(place) : values[i]));
+                store_as(place, finished(to.accumulates ? values[i] + load_as<wide>(place) : values[i]));
             }
         }
     }

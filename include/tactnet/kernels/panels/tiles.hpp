@@ -188,7 +188,7 @@ void convolve_tiles_of(const tile_plan& plan, std::size_t band, const tile_share
                                  .output = products + e * product_distance,
                                  .output_stride = plan.product_stride()},
                                 count, panels, share.first_panel, share.last_panel,
-                                weights + (e * channels + begin) * filters, {.adds = part > 0});
+                                weights + (e * channels + begin) * filters, {.accumulates = part > 0});
             }
         for_each_tile([&](std::size_t t, std::size_t frame, std::size_t y, std::size_t x) {
             const std::size_t row = pooled ? y / 2 : y, column = pooled ? x / 2 : x;
@@ -200,8 +200,8 @@ void convolve_tiles_of(const tile_plan& plan, std::size_t band, const tile_share
                  .row_distance = c.output_columns() * c.output_stride(),
                  .pixel_distance = c.output_stride(),
                  .size = {std::min(Outputs, c.rows() - y), std::min(Outputs, c.columns() - x)},
-                 .adds = c.adds,
-                 .rectified = c.rectified,
+                 .accumulates = c.accumulates,
+                 .relu = c.relu,
                  .pooled = pooled});
         });
     }

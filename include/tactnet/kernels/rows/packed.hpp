@@ -73,7 +73,7 @@ private:
                                                  .line_distance = 0,
                                                  .output = out,
                                                  .output_stride = out_stride},
-                                                panel + first * panel_width, 0, {.adds = first > 0});
+                                                panel + first * panel_width, 0, {.accumulates = first > 0});
     }
 
     std::size_t rows_ = 0, features_ = 0;

@@ -44,23 +44,23 @@ namespace detail {
 #ifdef __FMA__
 // The processor's instruction for each register. xsimd 8 lacks it for some: whether a product is rounded
 // would then depend on the compiler and the optimisation level.
-[[nodiscard]] [[gnu::always_inline]] inline __m128 fused(__m128 a, __m128 b, __m128 c) {
+[[nodiscard]] [[gnu::always_inline]] inline __m128 fmadd(__m128 a, __m128 b, __m128 c) {
     return _mm_fmadd_ps(a, b, c);
 }
-[[nodiscard]] [[gnu::always_inline]] inline __m128d fused(__m128d a, __m128d b, __m128d c) {
+[[nodiscard]] [[gnu::always_inline]] inline __m128d fmadd(__m128d a, __m128d b, __m128d c) {
     return _mm_fmadd_pd(a, b, c);
 }
-[[nodiscard]] [[gnu::always_inline]] inline __m256 fused(__m256 a, __m256 b, __m256 c) {
+[[nodiscard]] [[gnu::always_inline]] inline __m256 fmadd(__m256 a, __m256 b, __m256 c) {
     return _mm256_fmadd_ps(a, b, c);
 }
-[[nodiscard]] [[gnu::always_inline]] inline __m256d fused(__m256d a, __m256d b, __m256d c) {
+[[nodiscard]] [[gnu::always_inline]] inline __m256d fmadd(__m256d a, __m256d b, __m256d c) {
     return _mm256_fmadd_pd(a, b, c);
 }
 #ifdef __AVX512F__
-[[nodiscard]] [[gnu::always_inline]] inline __m512 fused(__m512 a, __m512 b, __m512 c) {
+[[nodiscard]] [[gnu::always_inline]] inline __m512 fmadd(__m512 a, __m512 b, __m512 c) {
     return _mm512_fmadd_ps(a, b, c);
 }
-[[nodiscard]] [[gnu::always_inline]] inline __m512d fused(__m512d a, __m512d b, __m512d c) {
+[[nodiscard]] [[gnu::always_inline]] inline __m512d fmadd(__m512d a, __m512d b, __m512d c) {
     return _mm512_fmadd_pd(a, b, c);
 }
 #endif
@@ -72,7 +72,7 @@ template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector fused_multiply_add(const Vector& a, const Vector& b,
                                                                       const Vector& c) {
 #ifdef __FMA__
-    return Vector(detail::fused(a.data, b.data, c.data));
+    return Vector(detail::fmadd(a.data, b.data, c.data));
 #else
     return xsimd::fma(a, b, c);
 #endif

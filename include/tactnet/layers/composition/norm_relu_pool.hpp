@@ -1,7 +1,12 @@
 #pragma once
 
 #include <tactnet/kernels/batch/normalisation.hpp>
+#include <tactnet/layers/activation.hpp>
 #include <tactnet/layers/batch_norm.hpp>
+#include <tactnet/layers/composition/concatenation.hpp>
+#include <tactnet/layers/composition/named.hpp>
+#include <tactnet/layers/composition/residual.hpp>
+#include <tactnet/layers/composition/sequence.hpp>
 #include <tactnet/layers/max_pool.hpp>
 
 #include <array>
@@ -13,9 +18,9 @@
 namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Batch norm, ReLU and max pooling as one layer, with the same results and the arrays of the batch norm. A
-/// window of one pixel means no pooling. Lists are written with the three, and `fused` joins them. If the
-/// norm rounds different elements of a window to the same number, the gradient goes to the largest of them
-/// and not to the first.
+/// window of one pixel means no pooling. Lists are written with the three, and `with_fused_norms` joins them.
+/// If the norm rounds different elements of a window to the same number, the gradient goes to the largest of
+/// them and not to the first.
 template <extent2d Window, extent2d Stride = Window, padding Padding = padding::same>
 struct norm_relu_pool {
     static constexpr std::string_view name = batch_norm::name;
@@ -134,5 +139,49 @@ struct norm_relu_pool {
         }
     };
 };
+
+namespace detail {
+
+template <class Spec>
+struct fused_norms {
+    using type = Spec;
+};
+
+/// `Done` are the layers so far.
+template <class Done, class... Specs>
+struct fused_norms_list;
+template <class... Done>
+struct fused_norms_list<sequence<Done...>> {
+    using type = sequence<Done...>;
+};
+template <class... Done, class Spec, class... Rest>
+struct fused_norms_list<sequence<Done...>, Spec, Rest...>
+    : fused_norms_list<sequence<Done..., typename fused_norms<Spec>::type>, Rest...> {};
+template <class... Done, class... Rest>
+struct fused_norms_list<sequence<Done...>, batch_norm, relu, Rest...>
+    : fused_norms_list<sequence<Done..., norm_relu_pool<1>>, Rest...> {};
+template <class... Done, extent2d Window, extent2d Stride, padding Padding, class... Rest>
+struct fused_norms_list<sequence<Done...>, batch_norm, relu, max_pool<Window, Stride, Padding>, Rest...>
+    : fused_norms_list<sequence<Done..., norm_relu_pool<Window, Stride, Padding>>, Rest...> {};
+
+template <class... Specs>
+struct fused_norms<sequence<Specs...>> : fused_norms_list<sequence<>, tactnet::without_name<Specs>...> {};
+template <class Main, class Skip>
+struct fused_norms<residual<Main, Skip>> {
+    using type = residual<typename fused_norms<tactnet::without_name<Main>>::type,
+                          typename fused_norms<tactnet::without_name<Skip>>::type>;
+};
+
+template <class... Branches>
+struct fused_norms<concatenation<Branches...>> {
+    using type = concatenation<typename fused_norms<tactnet::without_name<Branches>>::type...>;
+};
+
+} // namespace detail
+
+/// The list to train: the same results and the same arrays in the same order, but each batch norm is fused
+/// with the ReLU and max pool after it, which are bound by memory. Names are left out.
+template <class List>
+using with_fused_norms = typename detail::fused_norms<List>::type;
 
 }} // namespace tactnet

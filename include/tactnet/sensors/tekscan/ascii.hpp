@@ -63,7 +63,7 @@ private:
         last_ = {{}, line.byte + line.text.size(), line.number};
         if (header_.next() == tekscan_part::header)
             return take_header(line);
-        const tekscan_line read = read_data_line(line, unquoted_);
+        const tekscan_line read = detail::read_data_line(line, unquoted_);
         if (read.kind == tekscan_line_kind::blank)
             return true;
         if (status() == decode_status::finished)

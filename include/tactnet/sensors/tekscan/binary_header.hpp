@@ -90,7 +90,7 @@ private:
         }
     }
 
-    void refuse(std::size_t byte, std::size_t line, text_problem problem) {
+    void refuse(std::size_t byte, std::size_t line, tekscan_problem problem) {
         problem_ = {byte, line, 0, std::move(problem.expected), std::move(problem.found)};
     }
 

@@ -21,7 +21,7 @@
 namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// An error in a text.
-struct text_problem {
+struct tekscan_problem {
     std::string expected, found;
 };
 
@@ -34,14 +34,14 @@ public:
     explicit tekscan_header(unit_of unit = unit_of::cells) : unit_(unit) {}
 
     /// Takes a line. Returns the error in it, if any; then take_warning() has what is doubtful in it.
-    [[nodiscard]] std::optional<text_problem> take(std::string_view line, recording_description& to) {
+    [[nodiscard]] std::optional<tekscan_problem> take(std::string_view line, recording_description& to) {
         bytes_ += line.size() + 1;
         if (bytes_ > largest_header_bytes || ++lines_ > largest_header_lines)
-            return text_problem{detail::joined({"a header of at most ", largest_header_bytes, " bytes and ",
-                                                largest_header_lines, " lines"}),
-                                "a longer one"};
+            return tekscan_problem{detail::joined({"a header of at most ", largest_header_bytes,
+                                                   " bytes and ", largest_header_lines, " lines"}),
+                                   "a longer one"};
         std::string unquoted;
-        const tekscan_header_line read = read_header_line(line, unquoted);
+        const tekscan_header_line read = detail::read_header_line(line, unquoted);
         if (read.followed_by != tekscan_part::header)
             return begin_data(read.followed_by, to);
         if (in_block_) {
@@ -55,7 +55,9 @@ public:
     }
 
     /// What is doubtful in the last line, once: a measure that cannot be read and is left empty.
-    [[nodiscard]] std::optional<text_problem> take_warning() { return std::exchange(warning_, std::nullopt); }
+    [[nodiscard]] std::optional<tekscan_problem> take_warning() {
+        return std::exchange(warning_, std::nullopt);
+    }
 
     /// What the next line belongs to: the header or the data.
     [[nodiscard]] tekscan_part next() const noexcept { return part_; }
@@ -63,17 +65,17 @@ public:
     [[nodiscard]] double cell_scale() const noexcept { return cell_scale_; }
 
     /// Checks the whole header. `take` calls it at the line that begins the data.
-    [[nodiscard]] std::optional<text_problem> complete(recording_description& to) const {
+    [[nodiscard]] std::optional<tekscan_problem> complete(recording_description& to) const {
         for (const auto& [key, value] : {std::pair("ROWS", to.rows), std::pair("COLS", to.columns)})
             if (value == 0)
-                return text_problem{std::string("a line '") + key + "' in the header", "none"};
+                return tekscan_problem{std::string("a line '") + key + "' in the header", "none"};
         if (to.rows > largest_frame_cells / to.columns)
-            return text_problem{"at most " + std::to_string(largest_frame_cells) + " cells",
-                                std::to_string(to.rows) + " x " + std::to_string(to.columns)};
+            return tekscan_problem{"at most " + std::to_string(largest_frame_cells) + " cells",
+                                   std::to_string(to.rows) + " x " + std::to_string(to.columns)};
         if (first_frame_ && last_frame_) {
             if (*last_frame_ < *first_frame_ || *last_frame_ - *first_frame_ == UINT64_MAX)
-                return text_problem{"an END_FRAME not before START_FRAME " + std::to_string(*first_frame_),
-                                    std::to_string(*last_frame_)};
+                return tekscan_problem{"an END_FRAME not before START_FRAME " + std::to_string(*first_frame_),
+                                       std::to_string(*last_frame_)};
             to.frames = *last_frame_ - *first_frame_ + 1;
         }
         return std::nullopt;
@@ -91,7 +93,7 @@ private:
 
     static constexpr std::string_view end_mark = "@@";
 
-    std::optional<text_problem> begin_data(tekscan_part next, recording_description& to) {
+    std::optional<tekscan_problem> begin_data(tekscan_part next, recording_description& to) {
         auto problem = complete(to);
         if (!problem)
             part_ = next;
@@ -106,8 +108,8 @@ private:
             to.append(to.empty() ? "" : "\n").append(text);
     }
 
-    std::optional<text_problem> key_and_value(const tekscan_header_line& read, bool may_be_comment,
-                                              recording_description& to) {
+    std::optional<tekscan_problem> key_and_value(const tekscan_header_line& read, bool may_be_comment,
+                                                 recording_description& to) {
         const std::string_view key = read.key, value = read.value;
         if (value == end_mark || ((key == "COMMENTS:" || key == "COMMENTS") && value.empty())) {
             in_block_ = !value.empty();
@@ -130,16 +132,16 @@ private:
             return std::nullopt;
         }
         if (how.done() && !how.doubt.empty())
-            warning_ = text_problem{std::move(how.doubt), in_quotes(key) + " " + in_quotes(value)};
+            warning_ = tekscan_problem{std::move(how.doubt), in_quotes(key) + " " + in_quotes(value)};
         if (!how.expected.empty()) {
             if (!comment_ || value.find(' ') == std::string_view::npos)
-                return text_problem{std::move(how.expected), in_quotes(key) + " " + in_quotes(value)};
+                return tekscan_problem{std::move(how.expected), in_quotes(key) + " " + in_quotes(value)};
             to.header[*comment_].second.append("\n").append(read.text);
             return std::nullopt;
         }
         if (how.done() && known && before->second != value)
-            return text_problem{"one line " + in_quotes(key),
-                                in_quotes(before->second) + " and " + in_quotes(value)};
+            return tekscan_problem{"one line " + in_quotes(key),
+                                   in_quotes(before->second) + " and " + in_quotes(value)};
         to.header.emplace_back(key, value);
         return std::nullopt;
     }
@@ -170,7 +172,7 @@ private:
             return to_base(value, {}, 1, largest_count, to.noise_threshold, 0);
         } else if (key == "UNITS" && unit_ == unit_of::cells) {
             const auto size = unit_size(pressure_units, value);
-            if (!size && !same_letters(value, "raw"))
+            if (!size && !detail::same_letters(value, "raw"))
                 return {true, "raw or a unit of pressure such as kPa, MPa, PSI, bar, mmHg, N/cm2 or kg/cm2"};
             to.unit = size ? pressure_unit::pascal : pressure_unit::raw;
             cell_scale_ = size.value_or(1);
@@ -209,7 +211,7 @@ private:
     }
 
     std::optional<std::uint64_t> first_frame_, last_frame_;
-    std::optional<text_problem> warning_;
+    std::optional<tekscan_problem> warning_;
     double cell_scale_ = 1;
     std::size_t bytes_ = 0, lines_ = 0;
     bool in_block_ = false, next_is_comment_ = false;

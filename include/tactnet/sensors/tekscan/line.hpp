@@ -12,10 +12,48 @@
 #include <string>
 #include <string_view>
 
-// A line of Tekscan's text is read once: `read_header_line` and `read_data_line` return what it is and what
-// it contains, whatever quotes, blanks and separators a spreadsheet has added. Only rows are left to row.hpp.
+// A line of Tekscan's text is read once: `detail::read_header_line` and `read_data_line` return what it is
+// and what it contains, whatever quotes, blanks and separators a spreadsheet has added. Only rows are left to
+// row.hpp.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// What follows a line of a header.
+enum class tekscan_part : std::uint8_t { header, cells, map };
+
+/// A line of a header, without decoration.
+struct tekscan_header_line {
+    std::string_view text, key, value;               ///< the value may be empty
+    tekscan_part followed_by = tekscan_part::header; ///< 'ASCII_DATA @@' begins cells, 'SENSOR_MAP @@' a map
+};
+
+/// The contents of a line that begins a frame.
+struct tekscan_frame_line {
+    std::uint64_t number = 0;
+    std::optional<double> stamp;      ///< the time, in units of `stamp_unit`
+    std::optional<double> stamp_unit; ///< seconds; empty if the line names no unit
+    std::optional<double> raw_sum;
+    bool names_sum = false;      ///< whether it has the words Raw Sum, with a number or without
+    bool unnamed_number = false; ///< whether it ends with a number that nothing names
+};
+
+/// What a line after the header is. A row that does not begin with a digit or B is `other` at first.
+enum class tekscan_line_kind : std::uint8_t { row, frame, blank, end_mark, end_of_data, other };
+
+/// A line after the header.
+struct tekscan_line {
+    text_line source;      ///< as it stands in the recording
+    std::string_view text; ///< without decoration; a row keeps its quotes
+    tekscan_line_kind kind = tekscan_line_kind::end_of_data;
+    std::optional<tekscan_frame_line> frame{}; ///< empty if a line of kind `frame` makes no sense
+
+    /// The line in an error message.
+    [[nodiscard]] std::string shown(std::size_t limit = 20) const {
+        return kind == tekscan_line_kind::end_of_data ? "the end of the data" : in_quotes(text, limit);
+    }
+};
+
+namespace detail {
 
 /// Whether `c` separates cells, other than a blank.
 [[nodiscard]] constexpr bool is_separator(char c) noexcept {
@@ -30,27 +68,17 @@ namespace tactnet { inline namespace TACTNET_ARCH {
         std::erase(unquoted, '"');
         line = unquoted;
     }
-    while (!line.empty() && (is_separator(line.back()) || detail::is_blank(line.back())))
+    while (!line.empty() && (is_separator(line.back()) || is_blank(line.back())))
         line.remove_suffix(1);
     return trimmed(line);
 }
-
-/// What follows a line of a header.
-enum class tekscan_part : std::uint8_t { header, cells, map };
-
-/// A line of a header, without decoration.
-struct tekscan_header_line {
-    std::string_view text, key, value;               ///< the value may be empty
-    tekscan_part followed_by = tekscan_part::header; ///< 'ASCII_DATA @@' begins cells, 'SENSOR_MAP @@' a map
-};
 
 /// Cuts a line of a header into key and value, which point into `line` or `unquoted`.
 [[nodiscard]] inline tekscan_header_line read_header_line(std::string_view line, std::string& unquoted) {
     const std::string_view text = without_decoration(line, unquoted);
     const std::size_t key_end = std::min(text.find_first_of(" \t,;"), text.size());
     tekscan_header_line result{text, text.substr(0, key_end), text.substr(key_end)};
-    while (!result.value.empty() &&
-           (is_separator(result.value.front()) || detail::is_blank(result.value.front())))
+    while (!result.value.empty() && (is_separator(result.value.front()) || is_blank(result.value.front())))
         result.value.remove_prefix(1);
     // Free text may begin with the same words.
     if (result.value.empty() || result.value.starts_with("@@"))
@@ -59,16 +87,6 @@ struct tekscan_header_line {
                                                           : tekscan_part::header;
     return result;
 }
-
-/// The contents of a line that begins a frame.
-struct tekscan_frame_line {
-    std::uint64_t number = 0;
-    std::optional<double> stamp;      ///< the time, in units of `stamp_unit`
-    std::optional<double> stamp_unit; ///< seconds; empty if the line names no unit
-    std::optional<double> raw_sum;
-    bool names_sum = false;      ///< whether it has the words Raw Sum, with a number or without
-    bool unnamed_number = false; ///< whether it ends with a number that nothing names
-};
 
 /// Reads what follows the word Frame: ' 1', ' 1, 0.1,, 12/2/2019 6:21:52.34PM,,,Raw Sum=,,310' or ' 1, 100
 /// ms'. The time of day is ignored, since its format depends on the country. Returns nothing if there is no
@@ -80,13 +98,13 @@ struct tekscan_frame_line {
         rest.remove_prefix(std::min(length + 1, rest.size()));
         return field;
     };
-    while (!rest.empty() && (is_separator(rest.front()) || detail::is_blank(rest.front())))
+    while (!rest.empty() && (is_separator(rest.front()) || is_blank(rest.front())))
         rest.remove_prefix(1);
     std::size_t digits = 0;
-    while (digits < rest.size() && detail::is_digit(rest[digits]))
+    while (digits < rest.size() && is_digit(rest[digits]))
         ++digits;
     const auto number = whole_number(rest.substr(0, digits));
-    if (!number || (digits < rest.size() && !is_separator(rest[digits]) && !detail::is_blank(rest[digits]) &&
+    if (!number || (digits < rest.size() && !is_separator(rest[digits]) && !is_blank(rest[digits]) &&
                     rest[digits] != ':'))
         return std::nullopt;
     rest.remove_prefix(std::min(digits + 1, rest.size()));
@@ -130,26 +148,10 @@ struct tekscan_frame_line {
     return result;
 }
 
-/// What a line after the header is. A row that does not begin with a digit or B is `other` at first.
-enum class tekscan_line_kind : std::uint8_t { row, frame, blank, end_mark, end_of_data, other };
-
-/// A line after the header.
-struct tekscan_line {
-    text_line source;      ///< as it stands in the recording
-    std::string_view text; ///< without decoration; a row keeps its quotes
-    tekscan_line_kind kind = tekscan_line_kind::end_of_data;
-    std::optional<tekscan_frame_line> frame{}; ///< empty if a line of kind `frame` makes no sense
-
-    /// The line in an error message.
-    [[nodiscard]] std::string shown(std::size_t limit = 20) const {
-        return kind == tekscan_line_kind::end_of_data ? "the end of the data" : in_quotes(text, limit);
-    }
-};
-
 /// Reads a line after the header. Rows, which are most lines, are recognised by their first letter alone.
 [[nodiscard]] inline tekscan_line read_data_line(const text_line& line, std::string& unquoted) {
     using kind = tekscan_line_kind;
-    if (!line.text.empty() && (detail::is_digit(line.text[0]) || line.text[0] == 'B'))
+    if (!line.text.empty() && (is_digit(line.text[0]) || line.text[0] == 'B'))
         return {line, line.text, kind::row};
     const std::string_view text = without_decoration(line.text, unquoted);
     // Some systems end text files with a control character.
@@ -159,10 +161,12 @@ struct tekscan_line {
         return {line, text, kind::end_mark};
     constexpr std::string_view frame = "frame";
     if (text.size() > frame.size() && same_letters(text.substr(0, frame.size()), frame) &&
-        (detail::is_blank(text[frame.size()]) || is_separator(text[frame.size()])))
+        (is_blank(text[frame.size()]) || is_separator(text[frame.size()])))
         return {line, text, kind::frame, scan_frame_line(text.substr(frame.size()))};
     return {line, text, kind::other};
 }
+
+} // namespace detail
 
 /// Computes when the frames of a text recording were taken. A time without a unit is in seconds, unless
 /// SECONDS_PER_FRAME of the header shows it to be in milliseconds. Frames without a time are

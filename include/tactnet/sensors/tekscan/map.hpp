@@ -70,7 +70,7 @@ private:
             return true;
         }
         std::string unquoted;
-        const std::string_view text = without_decoration(line.text, unquoted);
+        const std::string_view text = detail::without_decoration(line.text, unquoted);
         // After the map, some versions add data of their own.
         if (text.empty() || status() == decode_status::finished)
             return true;
@@ -84,7 +84,7 @@ private:
             const std::size_t length = std::min(text.find_first_of(",; \t"), text.size());
             const std::string_view field = text.substr(0, length);
             text = trimmed(text.substr(length));
-            if (!text.empty() && is_separator(text.front()))
+            if (!text.empty() && detail::is_separator(text.front()))
                 text = trimmed(text.substr(1));
             const auto place = scan_place(field);
             if (!place)

@@ -49,7 +49,7 @@ public:
             }
         }
         const bool cut = at_ == end_ && (is_digit(at_[-1]) || at_[-1] == '.');
-        while (at_ != end_ && (is_separator(*at_) || is_quote_or_blank(*at_)))
+        while (at_ != end_ && (detail::is_separator(*at_) || is_quote_or_blank(*at_)))
             ++at_;
         if (at_ != end_)
             return {at_, "the end of the row", cells.size()};
@@ -93,7 +93,7 @@ private:
         }
         const char* const begin = at_;
         skip_blanks();
-        const char found = at_ != end_ && is_separator(*at_) ? *at_ : ' ';
+        const char found = at_ != end_ && detail::is_separator(*at_) ? *at_ : ' ';
         if (found != ' ') {
             ++at_;
             skip_blanks();

@@ -98,17 +98,6 @@ template <std::floating_point T>
     return text;
 }
 
-/// Whether two texts are equal, ignoring the case of Latin letters.
-[[nodiscard]] constexpr bool same_letters(std::string_view a, std::string_view b) noexcept {
-    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
-    if (a.size() != b.size())
-        return false;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        if (lower(a[i]) != lower(b[i]))
-            return false;
-    return true;
-}
-
 /// The spelling of a unit, and its size in base units.
 struct measure_unit {
     std::string_view name;
@@ -153,6 +142,19 @@ inline constexpr measure_unit time_units[] = {
     {"us", 1e-6}, {"usec", 1e-6}, {"microsecond", 1e-6}, {"microseconds", 1e-6},
 };
 
+namespace detail {
+
+/// Whether two texts are equal, ignoring the case of Latin letters.
+[[nodiscard]] constexpr bool same_letters(std::string_view a, std::string_view b) noexcept {
+    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+    if (a.size() != b.size())
+        return false;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        if (lower(a[i]) != lower(b[i]))
+            return false;
+    return true;
+}
+
 /// Whether `text` names that unit, ignoring case. A square may be written as 2, ^2 or a superscript in UTF-8
 /// or in Windows' western code page.
 [[nodiscard]] constexpr bool is_unit(std::string_view text, std::string_view unit) noexcept {
@@ -164,13 +166,15 @@ inline constexpr measure_unit time_units[] = {
     return same_letters(text, unit);
 }
 
+} // namespace detail
+
 /// Returns the size of the unit of that name, which may be in round brackets; nothing if it is unknown.
 [[nodiscard]] constexpr std::optional<double> unit_size(std::span<const measure_unit> units,
                                                         std::string_view name) noexcept {
     if (name.size() > 2 && name.front() == '(' && name.back() == ')')
         name = trimmed(name.substr(1, name.size() - 2));
     for (const measure_unit& unit : units)
-        if (is_unit(name, unit.name))
+        if (detail::is_unit(name, unit.name))
             return unit.size;
     return std::nullopt;
 }

@@ -28,6 +28,8 @@ struct linear_kernel {
     void apply(float*, std::size_t, double) const {}
 };
 
+namespace detail {
+
 /// The variance of all values together, whichever feature they belong to.
 [[nodiscard]] inline double variance_of_all(feature_rows<> rows) {
     const double count = static_cast<double>(rows.values().size());
@@ -39,6 +41,8 @@ struct linear_kernel {
         squares += (double{value} - mean) * (double{value} - mean);
     return count > 0 ? squares / count : 0;
 }
+
+} // namespace detail
 
 /// exp(−γ ‖x − y‖²)
 struct rbf_kernel {
@@ -55,7 +59,7 @@ struct rbf_kernel {
                 {"gamma: expected a finite number of 0 or more, found ", std::to_string(*gamma)});
         if (gamma)
             return *this;
-        const double variance = variance_of_all(rows);
+        const double variance = detail::variance_of_all(rows);
         return {variance > 0 ? 1 / (static_cast<double>(rows.features()) * variance) : 1.0};
     }
     /// Turns `count` squared distances, in units of `unit`, into values of the kernel. Fitted kernels only.

@@ -17,12 +17,13 @@ int main(int count, char** arguments) {
                                                                     .namespace_name = "rooted",
                                                                     .classes = {"a", "b", "c", "d"}},
                                                                    frame_of<rooted_network>(0)));
-        tactnet::write_file(arguments[2], tactnet::deployed_header(deployed_in_8_bits<branched_network>(),
-                                                                   {.network = "Every kind of step",
-                                                                    .namespace_name = "branched",
-                                                                    .classes = {},
-                                                                    .when = tactnet::packing::at_start},
-                                                                   frame_of<branched_network>(0)));
+        tactnet::write_file(arguments[2],
+                            tactnet::deployed_header(deployed_in_8_bits<branched_network>(),
+                                                     {.network = "Every kind of step",
+                                                      .namespace_name = "branched",
+                                                      .classes = {},
+                                                      .when = tactnet::header_packing::at_start},
+                                                     frame_of<branched_network>(0)));
     } catch (const std::exception& error) {
         std::fprintf(stderr, "write_headers: %s\n", error.what());
         return 1;

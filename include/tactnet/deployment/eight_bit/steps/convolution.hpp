@@ -29,7 +29,7 @@ struct convolution_step<eight_bit_between<Input, Output>, Kernel>
                                           {"bias", folded_kind::numbers, {Kernel.filters}},
                                           {"scale", folded_kind::scales, {Kernel.filters}},
                                           range_array("input"),
-                                          range_array("added", Kernel.adds),
+                                          range_array("added", Kernel.accumulates),
                                           range_array("output", writes_bytes)};
     static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
     /// The largest magnitude of an input.
@@ -50,7 +50,7 @@ private:
         pad_to_cache_line<std::int8_t>(method::filter_places * sizeof(std::int32_t));
     static constexpr std::size_t starts = pad_to_cache_line<std::int8_t>(method::packed_elements),
                                  factors = starts + filter_array_bytes, added = factors + filter_array_bytes,
-                                 bytes = added + (Kernel.adds ? filter_array_bytes : 0);
+                                 bytes = added + (Kernel.accumulates ? filter_array_bytes : 0);
     static constexpr std::size_t lowest = 0, zero = 1, padding = 2;
 
 public:
@@ -63,7 +63,7 @@ public:
         for (std::size_t f = 0; f < Kernel.filters; ++f)
             to[weight_scales + f] = detail::scale_of_filter(to + f * Kernel.taps(), Kernel.taps(),
                                                             static_cast<double>(to[biases + f]), values,
-                                                            Kernel.adds, largest_input);
+                                                            Kernel.accumulates, largest_input);
         arrays.write_ranges(to, values);
     }
 
@@ -72,15 +72,15 @@ public:
         const step_ranges maps = arrays.read_ranges(from);
         std::array<detail::filter_scale, Kernel.filters> scales{};
         for (std::size_t f = 0; f < Kernel.filters; ++f) {
-            scales[f] =
-                detail::filter_of(from + f * of_one, of_one, static_cast<double>(from[biases + f]),
-                                  from[weight_scales + f], maps, Kernel.adds, largest_input, method::offset);
+            scales[f] = detail::filter_of(from + f * of_one, of_one, static_cast<double>(from[biases + f]),
+                                          from[weight_scales + f], maps, Kernel.accumulates, largest_input,
+                                          method::offset);
             const double factor =
                 writes_bytes ? scales[f].unit / static_cast<double>(maps.output.scale) : scales[f].unit;
             std::int8_t* const place = to + method::place(f) * sizeof(std::int32_t);
             detail::store_number(place + starts, static_cast<std::int32_t>(scales[f].start));
             detail::store_number(place + factors, static_cast<float>(factor));
-            if constexpr (Kernel.adds)
+            if constexpr (Kernel.accumulates)
                 detail::store_number(place + added, static_cast<std::int32_t>(scales[f].added));
         }
         const auto weight = [&](std::size_t filter, std::size_t channel, std::size_t row,
@@ -91,7 +91,7 @@ public:
         };
         method::pack(weight, to);
         const auto zero_byte = static_cast<double>(maps.output.zero_point);
-        detail::store_byte(to + bytes + lowest, Kernel.rectified ? zero_byte : 0);
+        detail::store_byte(to + bytes + lowest, Kernel.relu ? zero_byte : 0);
         detail::store_byte(to + bytes + zero, zero_byte);
         detail::store_byte(to + bytes + padding, static_cast<double>(maps.input.zero_point));
     }

@@ -12,17 +12,20 @@ using namespace tactnet;
 
 // What is joined, and that it changes no result.
 
-static_assert(std::is_same_v<fused<sequence<conv2d<2, 3>, batch_norm, relu, max_pool<2>, dense<3>>>,
-                             sequence<conv2d<2, 3>, norm_relu_pool<2>, dense<3>>>);
-static_assert(std::is_same_v<fused<sequence<batch_norm, relu, conv2d<2, 3>, batch_norm>>,
+static_assert(
+    std::is_same_v<with_fused_norms<sequence<conv2d<2, 3>, batch_norm, relu, max_pool<2>, dense<3>>>,
+                   sequence<conv2d<2, 3>, norm_relu_pool<2>, dense<3>>>);
+static_assert(std::is_same_v<with_fused_norms<sequence<batch_norm, relu, conv2d<2, 3>, batch_norm>>,
                              sequence<norm_relu_pool<1>, conv2d<2, 3>, batch_norm>>);
-static_assert(std::is_same_v<fused<sequence<batch_norm, max_pool<2>, relu>>, // another order: not the same
-                             sequence<batch_norm, max_pool<2>, relu>>);
-static_assert(std::is_same_v<fused<sequence<residual<sequence<batch_norm, relu>>, relu>>,
+static_assert(
+    std::is_same_v<with_fused_norms<sequence<batch_norm, max_pool<2>, relu>>, // another order: not the same
+                   sequence<batch_norm, max_pool<2>, relu>>);
+static_assert(std::is_same_v<with_fused_norms<sequence<residual<sequence<batch_norm, relu>>, relu>>,
                              sequence<residual<sequence<norm_relu_pool<1>>, identity_layer>, relu>>);
-static_assert(std::is_same_v<fused<sequence<sequence<batch_norm, relu, max_pool<3, 2, padding::valid>>>>,
-                             sequence<sequence<norm_relu_pool<3, 2, padding::valid>>>>);
-static_assert(std::is_same_v<fused<sequence<>>, sequence<>>);
+static_assert(
+    std::is_same_v<with_fused_norms<sequence<sequence<batch_norm, relu, max_pool<3, 2, padding::valid>>>>,
+                   sequence<sequence<norm_relu_pool<3, 2, padding::valid>>>>);
+static_assert(std::is_same_v<with_fused_norms<sequence<>>, sequence<>>);
 
 namespace {
 
@@ -78,7 +81,7 @@ template <class List, shape Input, class Alter = as_drawn>
 void check_fused(const Alter& alter = {}) {
     for (const std::size_t count : {std::size_t{1}, 3 * kernels::lanes<double> + 1}) {
         const results plain = train<List, Input>(count, alter),
-                      joined = train<fused<List>, Input>(count, alter);
+                      joined = train<with_fused_norms<List>, Input>(count, alter);
         CHECK(joined.out == plain.out);
         CHECK(joined.running == plain.running);
         // Sums over windows instead of pixels: the same terms in another order.
@@ -89,12 +92,12 @@ void check_fused(const Alter& alter = {}) {
 
 } // namespace
 
-TEST_CASE("fused: a list gives what it gives layer by layer") {
+TEST_CASE("with_fused_norms: a list gives what it gives layer by layer") {
     check_fused<
         sequence<conv2d<3, 3>, batch_norm, relu, max_pool<2>, conv2d<2, 3>, batch_norm, relu, dense<4>>,
         shape{7, 5, 1}>();
 }
-TEST_CASE("fused: a residual block too") {
+TEST_CASE("with_fused_norms: a residual block too") {
     check_fused<sequence<conv2d<2, 3>, batch_norm, relu,
                          residual<sequence<conv2d<2, 3>, batch_norm, relu, conv2d<2, 3>, batch_norm>,
                                   sequence<conv2d<2, 1>, batch_norm>>,
@@ -102,7 +105,8 @@ TEST_CASE("fused: a residual block too") {
                 shape{5, 4, 1}>();
 }
 
-TEST_CASE("fused: of equal elements the first is chosen, and a scale of zero makes all of them equal") {
+TEST_CASE(
+    "with_fused_norms: of equal elements the first is chosen, and a scale of zero makes all of them equal") {
     using list = sequence<batch_norm, relu, max_pool<2>>;
     check_fused<list, shape{6, 4, 1}>([](auto&, auto& in) {
         for (double& x : in)
@@ -110,14 +114,14 @@ TEST_CASE("fused: of equal elements the first is chosen, and a scale of zero mak
     });
     check_fused<list, shape{6, 4, 1}>([](auto& values, auto&) { values[0] = 0, values[1] = 0.5; });
 }
-TEST_CASE("fused: a NaN reaches the outputs that it reaches layer by layer") {
+TEST_CASE("with_fused_norms: a NaN reaches the outputs that it reaches layer by layer") {
     using list = sequence<batch_norm, relu, max_pool<2>, batch_norm, relu>;
     constexpr shape size{4, 4, 1};
     const std::vector<double> values{1, 0, 1, 0}, running{0, 0, 1, 1};
     for (const std::size_t at : {0u, 5u, 6u, 9u, 15u}) {
         std::vector<aligned_vector<double>> outs;
-        for (const auto& layer :
-             {support::make_layer<list, double, size>(), support::make_layer<fused<list>, double, size>()}) {
+        for (const auto& layer : {support::make_layer<list, double, size>(),
+                                  support::make_layer<with_fused_norms<list>, double, size>()}) {
             aligned_vector<double> in(kernels::lanes<double> * size.size(), 0.25),
                 out(kernels::lanes<double> * 4);
             in[at * kernels::lanes<double>] = std::nan("");
@@ -135,9 +139,9 @@ TEST_CASE("fused: a NaN reaches the outputs that it reaches layer by layer") {
         CHECK(broken == 1);
     }
 }
-TEST_CASE("fused: an empty batch has gradients of zero and moves no statistics") {
+TEST_CASE("with_fused_norms: an empty batch has gradients of zero and moves no statistics") {
     using list = sequence<conv2d<2, 3>, batch_norm, relu, max_pool<2>, residual<conv2d<2, 3>>, dense<3>>;
-    const auto layer = support::make_layer<fused<list>, double, shape{5, 4, 1}>();
+    const auto layer = support::make_layer<with_fused_norms<list>, double, shape{5, 4, 1}>();
     const aligned_vector<double> values(layer->parameters, 0.5);
     aligned_vector<double> running{0, 0, 1, 1}, gradients(layer->parameters, 9);
     const aligned_vector<double> before = running;
