@@ -90,23 +90,27 @@ private:
     template <class Step, class Format>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
                                   const kernels::frame_convolution& kernel) {
-        return add_parameters<Step>({.window = kernel.window,
-                                     .groups = kernel.groups,
-                                     .filters = kernel.filters,
-                                     .pool = kernel.pool,
-                                     .relu = kernel.relu,
-                                     .accumulates = kernel.accumulates,
+        // All members are named, so that a new one does not compile before it is copied or left out here.
+        // Maps of the graph have no gaps, so strides are left out; the map after a pool has the size of the
+        // pool.
+        const auto& [window, filters, input_stride, pool, pooled_rows, pooled_columns, relu, accumulates,
+                     groups, map_stride, map_offset, map_offset_multiple, input_offset_multiple] = kernel;
+        return add_parameters<Step>({.window = window,
+                                     .groups = groups,
+                                     .filters = filters,
+                                     .pool = pool,
+                                     .relu = relu,
+                                     .accumulates = accumulates,
                                      .input = input,
-                                     .first = kernel.map_offset},
+                                     .first = map_offset},
                                     into);
     }
     template <class Step, class Format>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
                                   const kernels::frame_dense& kernel) {
-        return add_parameters<Step>({.window = {kernel.input, {kernel.input.rows, kernel.input.columns}, 1},
-                                     .filters = kernel.outputs,
-                                     .input = input},
-                                    into);
+        const auto& [map, input_stride, outputs] = kernel; // all, likewise
+        return add_parameters<Step>(
+            {.window = {map, {map.rows, map.columns}, 1}, .filters = outputs, .input = input}, into);
     }
     /// A batch norm.
     template <class Step, class Format>
