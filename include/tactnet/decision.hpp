@@ -10,7 +10,6 @@
 #include <tactnet/decision/reliability_diagram.hpp>
 #include <tactnet/decision/saved_state.hpp>
 #include <tactnet/decision/sensor_health.hpp>
-#include <tactnet/decision/tactel_fault.hpp>
 #include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/decision/touch_evidence.hpp>
 #include <tactnet/decision/unknown_score.hpp>

@@ -1,17 +1,114 @@
 #pragma once
 
-#include <tactnet/decision/bordered_frame.hpp>
 #include <tactnet/decision/saved_state.hpp>
-#include <tactnet/decision/tactel_fault.hpp>
+#include <tactnet/kernels/frame/tactels.hpp>
 #include <tactnet/tensor/shape.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
-namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
+// How tactels are judged, the list of those that fail, and what their counts are replaced by.
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// How a tactel fails: it shows pressure where there is none, or none where there is pressure.
+enum class tactel_fault_kind : std::uint8_t { stuck, dead };
+
+/// A faulty tactel.
+struct tactel_fault {
+    std::uint16_t row = 0, column = 0;
+    tactel_fault_kind kind{};
+    std::uint64_t since = 0; ///< the frame in which it was found, counted from 0
+};
+
+/// When a frame shows that a tactel may be faulty. A spike is far above nearly all of its eight neighbours:
+/// their counts are less than an eighth of its own. A hole has no pressure amid pressed neighbours. None of
+/// the 1100 images of Gandarias et al. (2019) has a tactel within the default limits, since elastic skin and
+/// the layers above the tactels blur every edge.
+struct fault_limits {
+    std::uint8_t spike = 100;  ///< the smallest count of a spike
+    std::uint8_t hole = 2;     ///< the largest count of a hole
+    std::uint8_t pressed = 60; ///< the smallest count of a pressed neighbour of a hole
+    std::uint8_t neighbours =
+        6; ///< how many neighbours are low or pressed; with 6, whole rows are found, too
+};
+
+/// How sensor_health judges tactels.
+struct health_settings {
+    fault_limits limits{};
+    /// Frames with a spike or a hole that make a tactel faulty, from 1 to 127. A frame between them in which
+    /// the tactel is seen to work starts the count again.
+    std::uint8_t frames_to_fault = 16;
+    /// Frames in which a faulty tactel is seen to work, from 1 to 255, after which it is used again. A frame
+    /// between them in which it fails starts the count again.
+    std::uint8_t frames_to_recovery = 200;
+    /// A tactel whose counts of air are larger is stuck.
+    std::uint8_t largest_baseline = 64;
+    /// By how much the baseline follows a frame of air, in 1/256 count. The default is 0.4 counts per second
+    /// at 100 frames per second.
+    std::uint8_t follow = 1;
+};
+
+namespace detail {
+
+/// A frame of counts with a border of zeros, so that each tactel has eight neighbours.
+template <shape Array>
+struct bordered_frame {
+    static_assert(Array.channels == 1, "bordered_frame: an array of tactels has one channel");
+    static constexpr std::size_t stride = Array.columns + 2;
+    /// Tactels and the borders between their rows, from the first tactel on, in whole vectors.
+    static constexpr std::size_t span = kernels::whole_count_vectors(Array.rows * stride);
+    /// The place of the first tactel, and of any.
+    static constexpr std::size_t first = stride + 1;
+    [[nodiscard]] static constexpr std::size_t place(std::size_t row, std::size_t column) noexcept {
+        return first + row * stride + column;
+    }
+    static constexpr auto& neighbours = kernels::neighbour_distances<stride>;
+
+    std::array<std::uint8_t, span + 2 * stride + 2> counts{};
+};
+
+/// The mean of some neighbours of a tactel, in place of its own count.
+template <shape Array>
+class neighbour_mean {
+    using grid = bordered_frame<Array>;
+
+public:
+    neighbour_mean() = default;
+    /// Leaves out neighbours beyond the array and those with `left_out(row, column)`.
+    template <class LeftOut>
+    neighbour_mean(std::size_t row, std::size_t column, const LeftOut& left_out) noexcept
+        : place_(static_cast<std::uint16_t>(grid::place(row, column))) {
+        std::uint32_t count = 0;
+        for (std::size_t n = 0; n < 8; ++n) {
+            // From 1, since the first neighbour is above and to the left.
+            const std::size_t y = row + grid::neighbours[n] / grid::stride,
+                              x = column + grid::neighbours[n] % grid::stride;
+            if (y < 1 || x < 1 || y > Array.rows || x > Array.columns || left_out(y - 1, x - 1))
+                continue;
+            mask_[n] = 255;
+            ++count;
+        }
+        reciprocal_ = static_cast<std::uint16_t>(count > 0 ? (0xFFFFU + count / 2) / count : 0);
+    }
+
+    [[nodiscard]] std::size_t place() const noexcept { return place_; }
+    /// The rounded mean; 0 if there is no neighbour.
+    [[nodiscard]] std::uint8_t of(const grid& frame) const noexcept {
+        const std::uint8_t* const around = frame.counts.data() + place_ - grid::first;
+        std::uint32_t sum = 0;
+        for (std::size_t n = 0; n < 8; ++n)
+            sum += static_cast<std::uint32_t>(around[grid::neighbours[n]] & mask_[n]);
+        return static_cast<std::uint8_t>((sum * reciprocal_ + 0x8000U) >> 16U);
+    }
+
+private:
+    static_assert(grid::place(Array.rows, 0) <= 0xFFFF, "neighbour_mean: at most 65535 tactels");
+    std::uint16_t place_ = 0, reciprocal_ = 0;
+    std::array<std::uint8_t, 8> mask_{}; ///< 255 for a neighbour that counts, else 0
+};
 
 /// The faulty tactels of an array, and what their counts are replaced by.
 template <shape Array>
@@ -130,4 +227,5 @@ private:
     std::array<neighbour_mean<Array>, most> replacements_{};
 };
 
-}}} // namespace tactnet::detail
+} // namespace detail
+}} // namespace tactnet

@@ -3,7 +3,6 @@
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/detail/xxh64.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>

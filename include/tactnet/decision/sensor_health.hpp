@@ -1,9 +1,7 @@
 #pragma once
 
-#include <tactnet/decision/bordered_frame.hpp>
 #include <tactnet/decision/fault_list.hpp>
 #include <tactnet/decision/saved_state.hpp>
-#include <tactnet/decision/tactel_fault.hpp>
 #include <tactnet/kernels/frame/tactels.hpp>
 #include <tactnet/tensor/shape.hpp>
 

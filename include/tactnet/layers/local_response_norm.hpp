@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/batch/local_response.hpp>
+#include <tactnet/kernels/local_response.hpp>
 #include <tactnet/layers/layer.hpp>
 
 #include <cstddef>
