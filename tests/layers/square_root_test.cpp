@@ -21,7 +21,7 @@ TEST_CASE("square_root: another offset, counts as they are") {
 // √(x + o) − √o would lose all digits of x where it is far smaller than o.
 TEST_CASE("square_root: small inputs keep their digits, zero stays zero, NaN stays NaN") {
     constexpr std::size_t count = 64; // whole vectors of any instruction set
-    alignas(alignment) std::array<float, count> in{}, out{};
+    alignas(vector_alignment) std::array<float, count> in{}, out{};
     in[1] = 1e-12F, in[2] = -1.0F, in[3] = std::numeric_limits<float>::quiet_NaN(), in[4] = -0.0F;
     constexpr float offset = 0.25F;
     kernels::transform_vectors(kernels::shifted_root(offset), count, out.data(), std::as_const(in).data());

@@ -10,19 +10,19 @@ using namespace tactnet;
 
 namespace {
 
-constexpr std::pair<shape, resolution> published[] = {{{7, 13}, resolution::r7x13},
-                                                      {{10, 18}, resolution::r10x18},
-                                                      {{14, 25}, resolution::r14x25},
-                                                      {{20, 35}, resolution::r20x35},
-                                                      {{28, 50}, resolution::r28x50}};
+constexpr std::pair<shape, published_resolution> published[] = {{{7, 13}, published_resolution::r7x13},
+                                                                {{10, 18}, published_resolution::r10x18},
+                                                                {{14, 25}, published_resolution::r14x25},
+                                                                {{20, 35}, published_resolution::r20x35},
+                                                                {{28, 50}, published_resolution::r28x50}};
 
 } // namespace
 
 TEST_CASE("form_of: up to a published size in both directions its form, a tactel more the next one") {
     for (std::size_t i = 0; i < 5; ++i) {
         const shape size = published[i].first;
-        const resolution form = published[i].second;
-        const resolution next = published[i < 4 ? i + 1 : 4].second;
+        const published_resolution form = published[i].second;
+        const published_resolution next = published[i < 4 ? i + 1 : 4].second;
         CAPTURE(size.rows);
         CHECK(form_of(size) == form);
         CHECK(form_of({size.rows, 1}) == form);

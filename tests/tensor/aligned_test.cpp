@@ -25,7 +25,9 @@ TEST_CASE("aligned: blocks begin on a cache line, those of two large pages or mo
         CAPTURE(bytes);
         aligned_allocator<std::byte> memory;
         std::byte* const block = memory.allocate(bytes);
-        CHECK(place_of(block) % (bytes < detail::least_on_large_pages ? alignment : detail::large_page) == 0);
+        CHECK(place_of(block) %
+                  (bytes < detail::least_on_large_pages ? vector_alignment : detail::large_page) ==
+              0);
         block[0] = block[bytes - 1] = std::byte{7};
         CHECK(block[0] == block[bytes - 1]);
         memory.deallocate(block, bytes);

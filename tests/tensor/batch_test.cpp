@@ -27,7 +27,7 @@ TEST_CASE("batch: samples lie side by side in lane blocks") {
         for (std::size_t e = 0; e < size.size(); ++e)
             b(s, e) = static_cast<float>(100 * s + e);
     const float* memory = b.view().data();
-    CHECK(reinterpret_cast<std::uintptr_t>(memory) % alignment == 0);
+    CHECK(reinterpret_cast<std::uintptr_t>(memory) % vector_alignment == 0);
     for (std::size_t s = 0; s < 6; ++s)
         for (std::size_t e = 0; e < size.size(); ++e)
             CHECK(memory[s / 4 * 48 + e * 4 + s % 4] == static_cast<float>(100 * s + e));

@@ -20,7 +20,7 @@ constexpr float element_of_a_constant() {
 static_assert(element_of_a_constant() == 5);
 static_assert(tensor<float, shape{2, 3, 4}>::size() == 24);
 static_assert(std::is_trivially_copyable_v<tensor<float, shape{2, 3}>>);
-static_assert(alignof(tensor<std::uint8_t, shape{1, 1}>) == alignment);
+static_assert(alignof(tensor<std::uint8_t, shape{1, 1}>) == vector_alignment);
 // A view of constants can be made of a view, but not the other way round.
 static_assert(std::is_convertible_v<tensor_view<float, shape{2, 2}>, tensor_view<const float, shape{2, 2}>>);
 static_assert(
@@ -35,7 +35,7 @@ TEST_CASE("tensor: elements by row, column and channel are those in memory") {
         for (std::size_t row = 0; row < 3; ++row)
             for (std::size_t column = 0; column < 4; ++column)
                 CHECK(t(row, column, channel) == expected++);
-    CHECK(reinterpret_cast<std::uintptr_t>(t.data()) % alignment == 0);
+    CHECK(reinterpret_cast<std::uintptr_t>(t.data()) % vector_alignment == 0);
 }
 
 TEST_CASE("tensor_view: refers to memory of the caller") {

@@ -32,7 +32,7 @@ template <class T>
 [[nodiscard]] double sum_of_exponentials(std::span<const T> values, T largest, double scale) noexcept {
     constexpr std::size_t block = 64, ways = 4; // sums of their own, which need not wait for one another
     static_assert(block % kernels::lanes<float> == 0);
-    alignas(alignment) std::array<float, block> powers;
+    alignas(vector_alignment) std::array<float, block> powers;
     std::array<double, ways> sums{};
     for (std::size_t first = 0; first < values.size(); first += block) {
         const std::size_t count = std::min(block, values.size() - first);

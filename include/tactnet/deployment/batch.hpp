@@ -28,8 +28,8 @@ public:
     batch_workspace& operator=(const batch_workspace&) = delete;
     ~batch_workspace() { release(); }
 
-    /// Memory for `elements` elements, aligned to `alignment` and not initialised: pages that no call touches
-    /// cost nothing.
+    /// Memory for `elements` elements, aligned to `vector_alignment` and not initialised: pages that no call
+    /// touches cost nothing.
     template <class T>
     [[nodiscard]] T* hold(std::size_t elements) {
         const std::size_t bytes = elements * sizeof(T);
@@ -102,7 +102,7 @@ struct batch_inference {
                 on_stack ? nullptr : memory.hold<activation>(shares * View::workspace_elements);
             pool.for_each(shares, [&](std::size_t index) {
                 const work_share share{index, shares};
-                alignas(alignment)
+                alignas(vector_alignment)
                     std::array<activation, on_stack ? on_one_thread * View::workspace_elements : 1>
                         stack_memory; // not zeroed
                 activation* const thread_memory =

@@ -124,7 +124,7 @@ public:
     static constexpr std::size_t workspace_elements = input::map + output::map + Steps::workspace_elements;
     /// Memory for one call. Nothing in it outlives the call.
     struct workspace {
-        alignas(alignment) std::array<activation, workspace_elements> elements;
+        alignas(vector_alignment) std::array<activation, workspace_elements> elements;
     };
     static constexpr std::size_t workspace_bytes = sizeof(workspace);
     /// A call allocates no larger workspace on the stack: pass one from the heap.
@@ -134,7 +134,7 @@ public:
 
     /// Packed weights as a value, for a constant of a program.
     struct packed_weights {
-        alignas(alignment) std::array<packed_number, packed_elements> elements{};
+        alignas(vector_alignment) std::array<packed_number, packed_elements> elements{};
     };
     /// Packs folded_elements numbers. `packed` holds packed_elements zeros.
     static constexpr void pack(const float* folded, packed_number* packed) {
@@ -147,8 +147,8 @@ public:
         return result;
     }
 
-    /// `packed` must outlive the view and be aligned to `alignment`. Only the first `classes` outputs stand
-    /// for a class.
+    /// `packed` must outlive the view and be aligned to `vector_alignment`. Only the first `classes` outputs
+    /// stand for a class.
     constexpr explicit deployed_view(const packed_number* packed, std::size_t classes = outputs) noexcept
         : packed_(packed), classes_(classes) {}
     constexpr explicit deployed_view(const packed_weights& weights, std::size_t classes = outputs) noexcept

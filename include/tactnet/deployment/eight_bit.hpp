@@ -41,7 +41,7 @@ struct layout_visitor {
 private:
     template <class Argument>
     void append_inner(const Argument&) {}
-    template <class Inner, composition How>
+    template <class Inner, step_composition How>
     void append_inner(const inner_step<Inner, How>& inner) {
         step_description<Inner>::visit(
             layout_visitor<Inner>{to, part_name(name, inner.name, inner.numbered ? ++place : 0)});

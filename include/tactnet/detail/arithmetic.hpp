@@ -43,7 +43,7 @@ template <class To, class From>
 /// an exported network is the same for each.
 inline constexpr std::size_t cache_line = 64;
 /// The alignment in bytes of memory for vectors: no register is wider than a cache line.
-inline constexpr std::size_t alignment = cache_line;
+inline constexpr std::size_t vector_alignment = cache_line;
 
 /// `count` elements rounded up to whole cache lines, so that what follows them is aligned.
 template <class Element = float>

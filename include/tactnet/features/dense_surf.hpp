@@ -65,7 +65,7 @@ public:
         respond(integral);
         for (std::size_t row = 0; row < rows.count; ++row) {
             add_columns(top(row), weights);
-            alignas(alignment) std::array<float, surf_values> values{};
+            alignas(vector_alignment) std::array<float, surf_values> values{};
             for (std::size_t column = 0; column < columns.count; ++column) {
                 for (std::size_t part = 0; part < 16; ++part) {
                     const std::size_t first = part % 4 * 5;
@@ -144,8 +144,8 @@ private:
         }
     }
 
-    alignas(alignment) std::array<float, active_rows * response_stride> responses_{};
-    alignas(alignment) std::array<std::array<float, band_size>, 4> bands_{};
+    alignas(vector_alignment) std::array<float, active_rows * response_stride> responses_{};
+    alignas(vector_alignment) std::array<std::array<float, band_size>, 4> bands_{};
 };
 
 } // namespace detail
@@ -232,7 +232,7 @@ private:
     struct memory {
         integral_image<Pixel, Shape, 2 * largest> integral;
         decltype(scales_of(std::make_index_sequence<Grid.levels()>())) scales;
-        alignas(alignment) std::array<float, most * surf_values> descriptors{};
+        alignas(vector_alignment) std::array<float, most * surf_values> descriptors{};
         std::array<surf_place, most> places{};
         std::array<float, 20> weights = detail::surf_weights();
     };

@@ -60,13 +60,13 @@ struct resize_plan {
     template <bool Guarded>
     static void run(const float* from, float* to) {
         if constexpr (down_first) {
-            alignas(alignment) std::array<float, To.rows * From.columns> middle;
+            alignas(vector_alignment) std::array<float, To.rows * From.columns> middle;
             kernels::resample_down<down, From.columns, From.columns, From.columns, Guarded>(from,
                                                                                             middle.data());
             kernels::resample_along<along, To.rows, From.columns, To.columns, Guarded>(middle.data(), to);
         } else {
             constexpr std::size_t stride = kernels::padded_size<float>(To.columns);
-            alignas(alignment) std::array<float, From.rows * stride> middle;
+            alignas(vector_alignment) std::array<float, From.rows * stride> middle;
             if constexpr (To.columns < kernels::min_lanes<float>) // vectors read the whole stride
                 middle.fill(0);
             kernels::resample_along<along, From.rows, From.columns, stride, Guarded>(from, middle.data());
@@ -81,7 +81,7 @@ struct resize_plan {
             if constexpr (std::is_same_v<Count, float> && readable) {
                 run(source, result);
             } else {
-                alignas(alignment) std::array<float, From.area() + kernels::lanes<float>> numbers{};
+                alignas(vector_alignment) std::array<float, From.area() + kernels::lanes<float>> numbers{};
                 for (std::size_t e = 0; e < From.area(); ++e)
                     numbers[e] = static_cast<float>(source[e]);
                 run(numbers.data(), result);

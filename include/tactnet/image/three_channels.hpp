@@ -58,7 +58,7 @@ template <shape Grey>
     static_assert(Grey.channels == 1, "to_three_channels_last: expected an image of one channel");
     constexpr std::size_t width = kernels::lanes_for<float>(Grey.area()), whole = Grey.area() / width * width;
     using wide = kernels::sized_vector<float, width>;
-    alignas(alignment) std::array<float, 3 * width> means, scales;
+    alignas(vector_alignment) std::array<float, 3 * width> means, scales;
     for (std::size_t i = 0; i < 3 * width; ++i)
         means[i] = normalise.mean[i % 3], scales[i] = normalise.scale[i % 3];
     for (std::size_t begin = 0; begin < whole; begin += width) {

@@ -77,7 +77,7 @@ void transform_image(const image_transform& t, const Count* from, float* to) {
         const kernels::affine_positions positions{t.row_shift + middle_row, t.row_by_row,
                                                   t.row_by_column,          t.column_shift + middle_column,
                                                   t.column_by_row,          t.column_by_column};
-        alignas(alignment) std::array<float, sampling::padded_rows * sampling::stride> padded;
+        alignas(vector_alignment) std::array<float, sampling::padded_rows * sampling::stride> padded;
         for (std::size_t channel = 0; channel < Shape.channels; ++channel) {
             pad_image<Shape, sampling, Border>(from + channel * Shape.area(), static_cast<float>(t.gain),
                                                padded.data());

@@ -35,7 +35,7 @@ struct response_rule {
         } else if constexpr (std::ratio_equal_v<Beta, std::ratio<1>>) {
             return one / x;
         } else {
-            alignas(alignment) std::array<T, lanes<T>> each;
+            alignas(vector_alignment) std::array<T, lanes<T>> each;
             store(each.data(), x);
             for (T& value : each)
                 value = static_cast<T>(std::pow(static_cast<double>(value), -beta));

@@ -115,7 +115,7 @@ struct dense {
         /// Adds the gradients of the weights between up to `lanes<T>` inputs and all outputs, summed over the
         /// samples of one lane block.
         static void add_products(const T* out_gradient, const T* in, std::size_t count, double* totals) {
-            alignas(alignment) std::array<T, kernels::lanes<T> * kernels::lanes<T>> turned;
+            alignas(vector_alignment) std::array<T, kernels::lanes<T> * kernels::lanes<T>> turned;
             kernels::transpose(in, count, turned.data());
             kernels::lane_product<Outputs, kernels::lanes<T>, kernels::matrix_layout{kernels::lanes<T>, 1}>(
                 out_gradient, turned.data(), [&](std::size_t o, const kernels::vector<T>& sum) {

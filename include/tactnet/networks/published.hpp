@@ -8,19 +8,19 @@
 namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The resolutions of the paper. The array has 28 × 50 tactels; the other images are resized.
-enum class resolution { r28x50, r20x35, r14x25, r10x18, r7x13 };
+enum class published_resolution { r28x50, r20x35, r14x25, r10x18, r7x13 };
 
 /// The form of a network at any size: the form at the smallest published resolution that is at least as large
 /// in both directions, or the full form for larger images. At a published size it is the published form.
-[[nodiscard]] constexpr resolution form_of(shape image) {
+[[nodiscard]] constexpr published_resolution form_of(shape image) {
     const auto within = [&](std::size_t rows, std::size_t columns) {
         return image.rows <= rows && image.columns <= columns;
     };
-    return within(7, 13)    ? resolution::r7x13
-           : within(10, 18) ? resolution::r10x18
-           : within(14, 25) ? resolution::r14x25
-           : within(20, 35) ? resolution::r20x35
-                            : resolution::r28x50;
+    return within(7, 13)    ? published_resolution::r7x13
+           : within(10, 18) ? published_resolution::r10x18
+           : within(14, 25) ? published_resolution::r14x25
+           : within(20, 35) ? published_resolution::r20x35
+                            : published_resolution::r28x50;
 }
 
 /// Whether an image is within the sizes of the paper: from 7 × 13 to 28 × 50 tactels, in either orientation.

@@ -20,13 +20,13 @@ struct tactnet6_form {
     /// enough, and make them cost more than large ones.
     [[nodiscard]] static constexpr tactnet6_form at(shape image) {
         switch (form_of(image)) {
-        case resolution::r7x13:
-        case resolution::r10x18:
+        case published_resolution::r7x13:
+        case published_resolution::r10x18:
             return {.kernel5 = 2, .first_pool_stride = 1, .other_pools_stride = 1};
-        case resolution::r14x25:
-        case resolution::r20x35:
+        case published_resolution::r14x25:
+        case published_resolution::r20x35:
             return {.kernel5 = 2, .first_pool_stride = 1};
-        case resolution::r28x50:
+        case published_resolution::r28x50:
             break;
         }
         return {};
@@ -52,14 +52,14 @@ using tactnet6_economical = tactnet6<Input, Classes, tactnet6_form::economical()
 /// The authors' training at each of their five resolutions; sizes in between take the settings of their form.
 [[nodiscard]] constexpr published_training tactnet6_training(shape image) {
     switch (form_of(image)) {
-    case resolution::r7x13:
-    case resolution::r10x18:
+    case published_resolution::r7x13:
+    case published_resolution::r10x18:
         return {.rate = 0.008, .drop_period = 150, .patience = 7, .drop_factor = 0.7, .validate_every = 15};
-    case resolution::r14x25:
+    case published_resolution::r14x25:
         return {.rate = 0.1, .drop_period = 100, .patience = 7, .drop_factor = 0.7, .validate_every = 15};
-    case resolution::r20x35:
+    case published_resolution::r20x35:
         return {.rate = 0.1, .drop_period = 100, .patience = 5, .drop_factor = 0.7, .validate_every = 15};
-    case resolution::r28x50:
+    case published_resolution::r28x50:
         break;
     }
     return {.rate = 0.01, .drop_period = 150, .patience = 4};

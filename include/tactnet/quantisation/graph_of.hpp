@@ -49,7 +49,7 @@ private:
     }
     template <class Step, class... Steps>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into,
-                                  const inner_step<Steps, composition::chain>&...) {
+                                  const inner_step<Steps, step_composition::chain>&...) {
         std::size_t left = sizeof...(Steps);
         ((input = append<Steps>(input, --left == 0 ? into : calibration_graph::none)), ...);
         return input;
@@ -57,8 +57,8 @@ private:
     /// The skip comes first when it runs, and last among folded numbers and ranges.
     template <class Step, class Main, class Skip>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into,
-                                  const inner_step<Main, composition::sum>&,
-                                  const inner_step<Skip, composition::sum>&, input_stride_argument) {
+                                  const inner_step<Main, step_composition::sum>&,
+                                  const inner_step<Skip, step_composition::sum>&, input_stride_argument) {
         const std::size_t first = net_.nodes.size();
         const std::size_t output = append<Main>(input, into), sum = net_.nodes.size() - 1;
         net_.nodes[sum].added = append<Skip>(input);
@@ -71,7 +71,7 @@ private:
     template <class Step, class Format, class... Steps>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t, std::type_identity<Format>, const shape&,
                                   input_stride_argument, std::size_t,
-                                  const inner_step<Steps, composition::concatenation>&...) {
+                                  const inner_step<Steps, step_composition::concatenation>&...) {
         static_assert(
             (!Steps::fills_map && ...),
             "deploy: in 8 bits each branch of a concatenation must end in a convolution whose filters "
@@ -83,7 +83,7 @@ private:
     }
     template <class Step, class Inner>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into,
-                                  const inner_step<Inner, composition::wrapper>&) {
+                                  const inner_step<Inner, step_composition::wrapper>&) {
         net_.softmax = reference_softmax;
         return append<Inner>(input, into);
     }

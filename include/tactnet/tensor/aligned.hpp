@@ -56,7 +56,7 @@ struct aligned_allocator {
 
 private:
     static constexpr std::align_val_t alignment_of(std::size_t count) {
-        return std::align_val_t{count * sizeof(T) < detail::least_on_large_pages ? alignment
+        return std::align_val_t{count * sizeof(T) < detail::least_on_large_pages ? vector_alignment
                                                                                  : detail::large_page};
     }
 };

@@ -41,7 +41,7 @@ public:
     constexpr operator tensor_view<const T, Shape>() const { return tensor_view<const T, Shape>(data()); }
 
 private:
-    alignas(alignment) std::array<T, Shape.size()> elements_{};
+    alignas(vector_alignment) std::array<T, Shape.size()> elements_{};
 };
 
 }} // namespace tactnet

@@ -16,7 +16,7 @@ using namespace tactnet::kernels;
 namespace {
 
 std::array<float, lanes<float>> exponentials(const std::array<float, lanes<float>>& x) {
-    alignas(alignment) std::array<float, lanes<float>> in = x, out;
+    alignas(vector_alignment) std::array<float, lanes<float>> in = x, out;
     store(out.data(), exponential(load(in.data())));
     return out;
 }

@@ -228,12 +228,12 @@ private:
         [[gnu::cold, gnu::noinline]] void append(const kernels::frame_dense& d) {
             append_text(detail::text_of(d, stride));
         }
-        template <class Step, composition How>
+        template <class Step, step_composition How>
         [[gnu::cold]] void append(const inner_step<Step, How>& inner) {
             const std::string name = all.define<Step>(input, stride);
-            if constexpr (How == composition::chain)
+            if constexpr (How == step_composition::chain)
                 input = Step::output, stride = name + "::output_stride";
-            if constexpr (How == composition::concatenation)
+            if constexpr (How == step_composition::concatenation)
                 append_text("tactnet::branch_step<" + name + ", " + std::to_string(inner.offset) + ">");
             else
                 append_text(name);

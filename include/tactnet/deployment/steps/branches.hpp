@@ -103,7 +103,7 @@ template <class Main, class Skip, std::size_t InputStride>
 struct step_description<residual_step<Main, Skip, InputStride>> {
     static constexpr void visit(auto&& to) {
         to("tactnet::residual_step", "Both branches of a residual block",
-           inner_step<Main, composition::sum>{"main"}, inner_step<Skip, composition::sum>{"skip"},
+           inner_step<Main, step_composition::sum>{"main"}, inner_step<Skip, step_composition::sum>{"skip"},
            input_stride_argument{});
     }
 };
@@ -221,7 +221,8 @@ struct step_description<concatenation_step<Format, Input, InputStride, Stride, B
     static constexpr void visit(auto&& to) {
         to("tactnet::concatenation_step", "Branches side by side", std::type_identity<Format>{}, Input,
            input_stride_argument{}, Stride,
-           inner_step<typename Branches::step, composition::concatenation>{"branch", Branches::offset}...);
+           inner_step<typename Branches::step, step_composition::concatenation>{"branch",
+                                                                                Branches::offset}...);
     }
 };
 

@@ -100,7 +100,8 @@ struct step_chain : step_defaults {
 template <class... Steps>
 struct step_description<step_chain<Steps...>> {
     static constexpr void visit(auto&& to) {
-        to("tactnet::step_chain", "One after the other", inner_step<Steps, composition::chain>{"step"}...);
+        to("tactnet::step_chain", "One after the other",
+           inner_step<Steps, step_composition::chain>{"step"}...);
     }
 };
 

@@ -166,7 +166,7 @@ template <class Step>
 struct step_description<step_with_softmax<Step>> {
     static constexpr void visit(auto&& to) {
         to("tactnet::step_with_softmax", "Softmax of the outputs",
-           inner_step<Step, composition::wrapper>{""});
+           inner_step<Step, step_composition::wrapper>{""});
     }
 };
 /// The step for a softmax in the middle of a network, which such a format cannot compute.

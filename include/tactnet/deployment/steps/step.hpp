@@ -131,15 +131,15 @@ struct step_description;
 struct input_stride_argument {};
 
 /// How a step is composed of others.
-enum class composition { chain, sum, concatenation, wrapper };
+enum class step_composition { chain, sum, concatenation, wrapper };
 
 /// The argument for a step inside another one.
-template <class Step, composition How>
+template <class Step, step_composition How>
 struct inner_step {
     using step = Step;
     const char* name;       ///< its part in the outer step: "main"; numbered in chains and concatenations
     std::size_t offset = 0; ///< of a branch of a concatenation: its first channel
-    static constexpr bool numbered = How == composition::chain || How == composition::concatenation;
+    static constexpr bool numbered = How == step_composition::chain || How == step_composition::concatenation;
 };
 
 namespace detail {
@@ -147,7 +147,7 @@ namespace detail {
 /// Whether an argument of a description is a step inside.
 template <class Argument>
 inline constexpr bool is_inner_step = false;
-template <class Step, composition How>
+template <class Step, step_composition How>
 inline constexpr bool is_inner_step<inner_step<Step, How>> = true;
 
 } // namespace detail

@@ -48,7 +48,7 @@ template <std::size_t Filters, std::size_t Taps, class T>
 add_across_lanes(const std::array<std::array<vector<T>, Taps>, Filters>& sums, double* totals,
                  std::size_t filter_stride) {
     constexpr std::size_t width = lanes<T>, blocks = ceil_div(Filters * Taps, width);
-    alignas(alignment) std::array<T, blocks * width> flat;
+    alignas(vector_alignment) std::array<T, blocks * width> flat;
 #pragma GCC unroll 64
     for (std::size_t block = 0; block < blocks; ++block) {
         std::array<vector<T>, width> rows;

@@ -40,7 +40,7 @@ template <std::size_t Sums, class T, class Term>
 /// Ones in the first `used` lanes, zeros in the others.
 template <class T>
 [[nodiscard]] vector<T> lanes_in_use(std::size_t used) {
-    alignas(alignment) std::array<T, lanes<T>> flat{};
+    alignas(vector_alignment) std::array<T, lanes<T>> flat{};
     std::fill_n(flat.begin(), used, T{1});
     return load(flat.data());
 }

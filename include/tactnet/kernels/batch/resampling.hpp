@@ -17,7 +17,7 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 /// Calls take(output pixel, values) for each output of `from`.
 template <class T, class Down, class Along, class Take>
 void resample_lanes(const T* from, const Take& take) {
-    alignas(alignment) std::array<T, Along::inputs * lanes<T>> line;
+    alignas(vector_alignment) std::array<T, Along::inputs * lanes<T>> line;
     for (std::size_t row = 0; row < Down::outputs; ++row) {
         const auto& above = Down::table[row];
         for (std::size_t column = 0; column < Along::inputs; ++column) {
@@ -48,7 +48,7 @@ void resample_lanes_backward(const Give& give, T* to) {
         store(place, multiply_add<T>(vector<T>(static_cast<T>(weight)), gradient,
                                      load<T>(static_cast<const T*>(place))));
     };
-    alignas(alignment) std::array<T, Along::inputs * lanes<T>> line;
+    alignas(vector_alignment) std::array<T, Along::inputs * lanes<T>> line;
     std::fill_n(to, Down::inputs * Along::inputs * lanes<T>, T{0});
     for (std::size_t row = 0; row < Down::outputs; ++row) {
         line.fill(T{0});

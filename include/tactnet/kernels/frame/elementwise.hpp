@@ -56,7 +56,7 @@ void transform_map(auto&& operation, const float* input, float* output) {
     constexpr std::size_t whole = Count / lanes<float> * lanes<float>;
     transform_vectors(operation, whole, output, input);
     if constexpr (whole < Count) {
-        alignas(alignment) std::array<float, lanes<float>> rest{};
+        alignas(vector_alignment) std::array<float, lanes<float>> rest{};
         std::copy_n(input + whole, Count - whole, rest.begin());
         transform_vectors(operation, lanes<float>, rest.data(), std::as_const(rest).data());
         std::copy_n(rest.begin(), Count - whole, output + whole);
@@ -69,7 +69,7 @@ template <class Rule, std::size_t Stride>
 void normalise_pixels(std::size_t pixels, const float* input, float* output) {
     constexpr std::size_t room = padded_size<float>(Stride);
     std::array<float, room + Rule::size> squares{};
-    alignas(alignment) std::array<float, room> values{}, sums;
+    alignas(vector_alignment) std::array<float, room> values{}, sums;
     const vector<float> share(static_cast<float>(Rule::share)), k(static_cast<float>(Rule::k));
     for (std::size_t p = 0; p < pixels; ++p, input += Stride, output += Stride) {
         for (std::size_t c = 0; c < Stride; ++c)

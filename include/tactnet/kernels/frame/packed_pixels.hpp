@@ -109,7 +109,7 @@ convolve_packed_block(const std::array<const float*, packed_pixels<C>::footprint
     // Pools take rows first, as whole vectors, then the pixels of these.
     constexpr std::size_t pooled_rows = ceil_div(Rows, C.pool.rows),
                           pooled_columns = ceil_div(Columns, C.pool.columns);
-    alignas(alignment) std::array<float, pooled_rows * Vectors * lanes<float>> map;
+    alignas(vector_alignment) std::array<float, pooled_rows * Vectors * lanes<float>> map;
 #pragma GCC unroll 64
     for (std::size_t o = 0; o < pooled_rows; ++o)
 #pragma GCC unroll 64

@@ -25,7 +25,7 @@ template <frame_convolution C, extent2d Outputs, std::size_t Frames>
     constexpr std::size_t rows = tiles::side.rows, columns = tiles::side.columns, elements = rows * columns;
     constexpr auto image_rows = static_cast<std::ptrdiff_t>(C.window.input.rows),
                    image_columns = static_cast<std::ptrdiff_t>(C.window.input.columns);
-    alignas(alignment) const std::array<float, tiles::input_stride> outside{};
+    alignas(vector_alignment) const std::array<float, tiles::input_stride> outside{};
     for (std::size_t tile = first; tile < last; ++tile) {
         const std::size_t frame = Frames > 1 ? tile / tiles::tiles_per_frame : 0;
         const std::size_t place = tile - frame * tiles::tiles_per_frame;

@@ -72,7 +72,7 @@ void roots_to_bytes(const Number* from, std::size_t count, std::int32_t zero, fl
         return nearest<1>(float_vec<1>{(root < largest_root ? root : largest_root) * parts});
     };
     const int32_vec<1> of_zero = whole(std::sqrt(offset));
-    alignas(alignment) std::array<float, lanes<float>> some{};
+    alignas(vector_alignment) std::array<float, lanes<float>> some{};
     for (std::size_t first = 0; first < count; first += lanes<float>) {
         const std::size_t left = std::min(lanes<float>, count - first);
         for (std::size_t i = 0; i < left; ++i)

@@ -61,10 +61,10 @@ private:
                                  positions = rows_at_once * Columns + lanes<float>;
 
     struct buffers {
-        alignas(alignment) std::array<float, 2 * (padded_rows - 1) * stride> pairs;
-        alignas(alignment) std::array<std::int32_t, positions> first;
-        alignas(alignment) std::array<float, positions> row_rest, column_rest;
-        alignas(alignment) std::array<std::array<float, 2 * Taps * positions>, Taps / 2> pixels;
+        alignas(vector_alignment) std::array<float, 2 * (padded_rows - 1) * stride> pairs;
+        alignas(vector_alignment) std::array<std::int32_t, positions> first;
+        alignas(vector_alignment) std::array<float, positions> row_rest, column_rest;
+        alignas(vector_alignment) std::array<std::array<float, 2 * Taps * positions>, Taps / 2> pixels;
     };
 
     static constexpr auto from_centre = [] {

@@ -151,7 +151,7 @@ struct weight_bands {
     /// Their cost: registers of 64 bytes count twice.
     static constexpr std::size_t cost = products * (Lanes * sizeof(float) == 64 ? 2 : 1);
 
-    alignas(alignment) static constexpr std::array<float, products* Lanes> weights = [] {
+    alignas(vector_alignment) static constexpr std::array<float, products* Lanes> weights = [] {
         std::array<float, products * Lanes> all{};
         for (const band& each : table)
             for (std::size_t lane = 0; lane < each.outputs; ++lane) {

@@ -56,7 +56,7 @@ private:
     static constexpr std::size_t panel = block_vectors * lanes<float>;
 
     struct best {
-        alignas(alignment) std::array<float, lanes<float>> score, row;
+        alignas(vector_alignment) std::array<float, lanes<float>> score, row;
     };
 
     void search(const float* points, std::size_t count, std::uint32_t* index) const noexcept {

@@ -32,7 +32,7 @@ public:
     }
     [[nodiscard]] selected_sample best() const {
         constexpr std::size_t width = lanes<double>;
-        alignas(alignment) std::array<double, width> values, places;
+        alignas(vector_alignment) std::array<double, width> values, places;
         store(values.data(), values_);
         store(places.data(), places_);
         selected_sample result{-std::numeric_limits<double>::infinity(), 0};
@@ -97,7 +97,7 @@ struct selected_partner {
         best.take(choose<double>(b > zero, b * b / a, none));
         lowest = choose<double>(g < lowest, g, lowest);
     }
-    alignas(alignment) std::array<double, lanes<double>> flat;
+    alignas(vector_alignment) std::array<double, lanes<double>> flat;
     store(flat.data(), lowest);
     double smallest = flat[0];
     for (const double value : flat)

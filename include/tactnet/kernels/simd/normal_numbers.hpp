@@ -32,7 +32,7 @@ public:
 
     /// Writes the numbers index · chunk_size … of the stream to aligned memory. They are within ±6.7.
     void chunk(std::uint32_t index, float* to) const {
-        alignas(alignment) std::array<words, 4> random;
+        alignas(vector_alignment) std::array<words, 4> random;
         philox_blocks(index * static_cast<std::uint32_t>(blocks), random);
         box_muller(random[0], random[1], to);
         box_muller(random[2], random[3], to + 2 * blocks);
@@ -40,7 +40,7 @@ public:
     /// Calls use(i, number) for the first `count` numbers of the stream.
     template <class Use>
     void each(std::size_t count, const Use& use) const {
-        alignas(alignment) std::array<float, chunk_size> numbers;
+        alignas(vector_alignment) std::array<float, chunk_size> numbers;
         for (std::size_t first = 0; first < count; first += chunk_size) {
             chunk(static_cast<std::uint32_t>(first / chunk_size), numbers.data());
             const std::size_t here = count - first < chunk_size ? count - first : chunk_size;
@@ -77,7 +77,7 @@ private:
         using v = vector<float>;
         // A uniform number in (0, 1] is 2^power · mantissa, with a mantissa in [√½, √2). The angle covers
         // half a turn; a negative radius gives the other half.
-        alignas(alignment) std::array<float, blocks> power, mantissa, quarter_angle, sign;
+        alignas(vector_alignment) std::array<float, blocks> power, mantissa, quarter_angle, sign;
         constexpr std::uint32_t root_half = tactnet::detail::bits_as<std::uint32_t>(0x1.6a09e6p-1F);
         for (std::size_t i = 0; i < blocks; ++i) {
             const float uniform =

@@ -194,7 +194,7 @@ template <std::size_t Count, std::size_t Lanes, class Vector>
     if constexpr (Count >= Lanes) {
         store_anywhere(to, values);
     } else {
-        alignas(alignment) std::array<float, Lanes> all;
+        alignas(vector_alignment) std::array<float, Lanes> all;
         store_as(all.data(), values);
         for (std::size_t i = 0; i < Count; ++i)
             to[i] = all[i];

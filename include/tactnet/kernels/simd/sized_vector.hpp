@@ -61,7 +61,7 @@ template <class T>
 /// start + the lanes of a vector, added from the first to the last.
 template <class T, std::size_t Lanes, class Sum = T, class Vector>
 [[nodiscard]] inline Sum add_lanes(const Vector& values, Sum start = Sum{}) {
-    alignas(alignment) std::array<T, Lanes> flat;
+    alignas(vector_alignment) std::array<T, Lanes> flat;
     store_as(flat.data(), values);
     for (const T lane : flat)
         start += static_cast<Sum>(lane);
@@ -70,7 +70,7 @@ template <class T, std::size_t Lanes, class Sum = T, class Vector>
 /// totals[i] += lane i.
 template <class T>
 inline void add_each_lane(double* totals, const vector<T>& values) {
-    alignas(alignment) std::array<T, lanes<T>> flat;
+    alignas(vector_alignment) std::array<T, lanes<T>> flat;
     store(flat.data(), values);
     for (std::size_t lane = 0; lane < lanes<T>; ++lane)
         totals[lane] += static_cast<double>(flat[lane]);

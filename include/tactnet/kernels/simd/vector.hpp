@@ -28,7 +28,7 @@ using mask = typename xsimd::batch<T>::batch_bool_type;
 /// The elements of a vector register, and the samples of a lane block.
 template <class T>
 inline constexpr std::size_t lanes = xsimd::batch<T>::size;
-static_assert(sizeof(vector<float>) <= alignment,
+static_assert(sizeof(vector<float>) <= vector_alignment,
               "kernels: vector registers have at most 64 bytes; compile for shorter ones, with "
               "-msve-vector-bits=512 or less");
 
@@ -72,8 +72,8 @@ template <class T>
     } else {
         constexpr std::size_t narrow = lanes<T> / 2;
         using half = xsimd::make_sized_batch_t<T, narrow>;
-        alignas(alignment) std::array<T, lanes<T>> flat;
-        alignas(alignment) std::array<T, lanes<T>> sums;
+        alignas(vector_alignment) std::array<T, lanes<T>> flat;
+        alignas(vector_alignment) std::array<T, lanes<T>> sums;
         for (std::size_t first = 0; first < lanes<T>; first += narrow) {
             std::array<half, narrow> folded;
             for (std::size_t i = 0; i < narrow; ++i) {

@@ -142,7 +142,7 @@ private:
             resize_cells((row_ + 1) * columns);
             exists_.resize((row_ + 1) * columns);
         }
-        const row_outcome outcome =
+        const tekscan_row_outcome outcome =
             scan_tekscan_row(line.text, header_.cell_scale(), cells().subspan(row_ * columns, columns),
                              std::span(exists_).subspan(row_ * columns, columns), sum_);
         if (outcome.wrong != nullptr)
@@ -157,7 +157,7 @@ private:
         return true;
     }
 
-    bool refuse_row(const text_line& line, const row_outcome& outcome) {
+    bool refuse_row(const text_line& line, const tekscan_row_outcome& outcome) {
         const std::size_t columns = description().columns;
         const auto at = static_cast<std::size_t>(outcome.wrong - line.text.data());
         const std::string where =

@@ -14,7 +14,7 @@
 namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The result of reading a row.
-struct row_outcome {
+struct tekscan_row_outcome {
     const char* wrong = nullptr;    ///< the place of the error, or null
     const char* expected = nullptr; ///< what was expected there
     std::size_t column = 0;         ///< of that place, counted from 0; cells before it are read
@@ -29,7 +29,7 @@ public:
     row_scanner(std::string_view line, double scale)
         : at_(line.data()), end_(line.data() + line.size()), scale_(scale) {}
 
-    row_outcome scan(std::span<float> cells, std::span<std::uint8_t> exists, double& sum) {
+    tekscan_row_outcome scan(std::span<float> cells, std::span<std::uint8_t> exists, double& sum) {
         for (std::size_t column = 0; column < cells.size(); ++column) {
             if (const char* expected = column > 0 ? gap() : nullptr; expected != nullptr)
                 return {at_, expected, column};
@@ -119,8 +119,8 @@ private:
 
 /// Reads a row into `cells`, multiplied by `scale`, marks in `exists` which have a tactel, and adds them to
 /// `sum`. After the last cell, only separators may follow.
-inline row_outcome scan_tekscan_row(std::string_view line, double scale, std::span<float> cells,
-                                    std::span<std::uint8_t> exists, double& sum) {
+inline tekscan_row_outcome scan_tekscan_row(std::string_view line, double scale, std::span<float> cells,
+                                            std::span<std::uint8_t> exists, double& sum) {
     return detail::row_scanner(line, scale).scan(cells, exists, sum);
 }
 

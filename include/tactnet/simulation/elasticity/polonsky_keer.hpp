@@ -91,7 +91,7 @@ private:
     static v load(const field& from, std::size_t i) { return kernels::load(from.data() + i); }
     static void store(field& to, std::size_t i, const v& values) { kernels::store(to.data() + i, values); }
     static double total(const v& values) {
-        alignas(alignment) std::array<double, kernels::lanes<double>> all;
+        alignas(vector_alignment) std::array<double, kernels::lanes<double>> all;
         kernels::store(all.data(), values);
         return std::accumulate(all.begin(), all.end(), 0.0);
     }
@@ -190,7 +190,7 @@ private:
             worst = kernels::maximum_keeping_nan<double>(
                 worst, kernels::maximum_keeping_nan<double>(overlap, where(contact, gap)));
         });
-        alignas(alignment) std::array<double, kernels::lanes<double>> all;
+        alignas(vector_alignment) std::array<double, kernels::lanes<double>> all;
         kernels::store(all.data(), worst);
         return {level, total(squares), *std::max_element(all.begin(), all.end())};
     }

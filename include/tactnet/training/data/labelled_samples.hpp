@@ -62,7 +62,7 @@ namespace detail {
 
 template <shape Taken, shape Seen>
 void vary_and_reduce(const image_transform& t, const std::uint8_t* from, float* to) {
-    alignas(alignment) std::array<float, Taken.size()> varied;
+    alignas(vector_alignment) std::array<float, Taken.size()> varied;
     transform_image<Taken>(t, std::span<const std::uint8_t, Taken.size()>(from, Taken.size()),
                            tensor_view<float, Taken>(varied.data()));
     resize<Taken, Seen>(tensor_view<const float, Taken>(varied.data()), tensor_view<float, Seen>(to));

@@ -23,7 +23,7 @@ inline void put_lanes(T* to, const vector<double>& values, std::size_t count) {
     if constexpr (std::is_same_v<T, float>)
         if (count == lanes<double>)
             return narrow(to, values);
-    alignas(alignment) std::array<double, lanes<double>> flat;
+    alignas(vector_alignment) std::array<double, lanes<double>> flat;
     store(flat.data(), values);
     for (std::size_t lane = 0; lane < count; ++lane)
         to[lane] = static_cast<T>(flat[lane]);
@@ -39,7 +39,7 @@ template <batch_convolution C, extent2d Outputs, class Weight, class T>
     // Input channels that are collected before the first is read: a vector load cannot forward from several
     // narrow stores that are still in flight.
     constexpr std::size_t inputs = 8;
-    alignas(alignment) std::array<std::array<std::array<double, block>, taps>, inputs> collected{};
+    alignas(vector_alignment) std::array<std::array<std::array<double, block>, taps>, inputs> collected{};
     for (std::size_t first = 0; first < C.output.channels; first += block_channels) {
         const std::size_t count = std::min(block_channels, C.output.channels - first),
                           distance = odd_lines<T>(C.input.channels * count);

@@ -59,7 +59,7 @@ template <extent2d Side, std::size_t Kernel, class T>
         for (std::size_t y = 0; y < Kernel; ++y)
             half[y][x] = line[y];
     }
-    alignas(alignment) std::array<std::array<double, width>, Kernel * Kernel> taps;
+    alignas(vector_alignment) std::array<std::array<double, width>, Kernel * Kernel> taps;
 #pragma GCC unroll 64
     for (std::size_t y = 0; y < Kernel; ++y) {
         const std::array<vector<double>, Kernel> line = detail::tile_weight_line<Kernel>(half[y]);

@@ -55,7 +55,7 @@ template <extent2d Side, class T, class Body>
                                   static_cast<std::ptrdiff_t>(layout.pixel);
     const std::size_t row_distance = columns * layout.pixel;
     const bool inside = pixels.inside();
-    alignas(alignment) std::array<T, Side.area() * width> padded;
+    alignas(vector_alignment) std::array<T, Side.area() * width> padded;
     if (!inside)
         padded.fill(T{});
     for (std::size_t plane = 0; plane < layout.planes; ++plane) {

@@ -46,7 +46,7 @@ struct noise {
                 return;
             constexpr std::size_t group = kernels::normal_numbers::chunk_size;
             const kernels::normal_numbers random(now.random(purpose));
-            alignas(alignment) std::array<float, group> numbers, values{};
+            alignas(vector_alignment) std::array<float, group> numbers, values{};
             for (std::size_t first = 0; first < Shape.size(); first += group) {
                 float* const from = pressures.data() + first;
                 const std::size_t count = std::min(group, Shape.size() - first);

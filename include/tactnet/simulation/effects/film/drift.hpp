@@ -23,7 +23,7 @@ struct drift {
         bound(const drift& effect, const mounting& where) {
             if (!(effect.deviation > 0))
                 return;
-            alignas(alignment) std::array<float, kernels::normal_numbers::chunk_size> numbers;
+            alignas(vector_alignment) std::array<float, kernels::normal_numbers::chunk_size> numbers;
             kernels::normal_numbers(where.unit.random(purpose)).chunk(0, numbers.data());
             rate_ = effect.deviation * static_cast<double>(numbers[0]);
         }
