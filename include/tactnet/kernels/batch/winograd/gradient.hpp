@@ -3,7 +3,7 @@
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/batch/channel_gradient.hpp>
 #include <tactnet/kernels/batch/direct_gradient.hpp>
-#include <tactnet/kernels/batch/winograd/gradient_plan.hpp>
+#include <tactnet/kernels/batch/winograd/tile_grid.hpp>
 #include <tactnet/kernels/batch/winograd/transforms.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
