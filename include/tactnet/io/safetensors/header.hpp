@@ -211,10 +211,6 @@ using tensor_order = std::vector<std::array<std::size_t, 3>>;
     return covered;
 }
 
-} // namespace detail
-
-namespace detail {
-
 /// What a file is that is not safetensors, by its first bytes; empty if they say nothing.
 [[gnu::cold, gnu::noinline]] inline std::string other_file(std::string_view begin) {
     if (begin.starts_with("PK\x03\x04"))

@@ -64,10 +64,6 @@ template <std::size_t Lanes>
         return __builtin_convertvector(whole, bytes);
 }
 
-} // namespace detail
-
-namespace detail {
-
 /// `with_nearest` of sum × factor, clamped to the range relative to its zero.
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes>
