@@ -57,6 +57,9 @@ struct touch {
 std::vector<touch> touches_of(const deployed_net& network, std::span<const std::uint8_t> pixels) {
     std::vector<touch> found(pixels.size() / tactels);
     const auto memory = std::make_unique<deployed_net::workspace>();
+    using four_views = reflection_average<deployed_net::view_type>;
+    const four_views average(network.view());
+    const auto average_memory = std::make_unique<four_views::workspace>();
     for (std::size_t i = 0; i < found.size(); ++i) {
         const auto image = pixels.subspan(i * tactels).first<tactels>();
         for (std::size_t view = 0; view < 4; ++view) {
@@ -67,8 +70,7 @@ std::vector<touch> touches_of(const deployed_net& network, std::span<const std::
             network.read_features(*memory, one.values);
         }
         found[i].alone = found[i].views[0];
-        (void)infer_reflections(network, image, found[i].reflected.logits, found[i].reflected.values,
-                                *memory);
+        (void)average.infer(image, found[i].reflected.logits, found[i].reflected.values, *average_memory);
     }
     return found;
 }

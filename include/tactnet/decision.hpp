@@ -6,7 +6,6 @@
 #include <tactnet/decision/fitting.hpp>
 #include <tactnet/decision/gain_monitor.hpp>
 #include <tactnet/decision/prediction_set.hpp>
-#include <tactnet/decision/reflections.hpp>
 #include <tactnet/decision/reliability_diagram.hpp>
 #include <tactnet/decision/saved_state.hpp>
 #include <tactnet/decision/sensor_health.hpp>

@@ -35,6 +35,18 @@ deployed<net> some_network() {
     return deploy(network, mean, 0.02f);
 }
 
+using numbers = std::array<float, average::features>;
+static_assert(average::features > 0);
+
+/// The mean as it is documented: sums of two, and half of them, so that no order of reflections matters.
+template <std::size_t Size>
+bool is_mean(const std::array<float, Size>& found, const std::array<std::array<float, Size>, 4>& each) {
+    for (std::size_t e = 0; e < Size; ++e)
+        if (found[e] != (each[0][e] + each[1][e] + (each[2][e] + each[3][e])) / 4)
+            return false;
+    return true;
+}
+
 template <class Count>
 void check_average() {
     const deployed<net> network = some_network();
@@ -45,24 +57,30 @@ void check_average() {
     for (std::size_t e = 0; e < size.size(); ++e)
         frame[e] = static_cast<Count>(counts[e]);
 
+    const auto memory_of_one = std::make_unique<deployed<net>::workspace>();
     std::array<logits, 4> outputs_per_reflection;
+    std::array<numbers, 4> features_per_reflection;
     logits found, again;
+    numbers features;
     REQUIRE(both_ways.infer(tensor_view<const Count, size>(frame.data()), found, *memory) ==
             frame_status::ok);
+    REQUIRE(both_ways.infer(tensor_view<const Count, size>(frame.data()), again, features, *memory) ==
+            frame_status::ok);
+    CHECK(again == found);
     for (std::size_t i = 0; i < 4; ++i) {
         reflect_image(size, all_reflections[i], frame.data(), turned.data());
-        REQUIRE(network.infer(tensor_view<const Count, size>(turned.data()), outputs_per_reflection[i]) ==
-                frame_status::ok);
+        REQUIRE(network.infer(tensor_view<const Count, size>(turned.data()), outputs_per_reflection[i],
+                              *memory_of_one) == frame_status::ok);
+        network.read_features(*memory_of_one, features_per_reflection[i]);
         // What comes the other way round is the same touch, to the bit.
         REQUIRE(both_ways.infer(tensor_view<const Count, size>(turned.data()), again, *memory) ==
                 frame_status::ok);
         CHECK(again == found);
     }
     CHECK(outputs_per_reflection[0] != outputs_per_reflection[1]);
-    for (std::size_t o = 0; o < net::outputs; ++o)
-        CHECK(found[o] == (outputs_per_reflection[0][o] + outputs_per_reflection[1][o] +
-                           (outputs_per_reflection[2][o] + outputs_per_reflection[3][o])) /
-                              4);
+    CHECK(is_mean(found, outputs_per_reflection));
+    CHECK(features_per_reflection[0] != features_per_reflection[1]);
+    CHECK(is_mean(features, features_per_reflection));
 }
 
 } // namespace
@@ -78,10 +96,13 @@ TEST_CASE("reflection_average: a broken frame is reported, and no heap is used")
     const auto memory = std::make_unique<average::workspace>();
     std::array<float, size.size()> frame{};
     logits found;
+    numbers features;
     const tensor_view<const float, size> view(frame.data());
     const std::size_t before = support::allocations();
     CHECK(both_ways.infer(view, found, *memory) == frame_status::ok);
+    CHECK(both_ways.infer(view, found, features, *memory) == frame_status::ok);
     CHECK(support::allocations() == before);
     frame[17] = std::numeric_limits<float>::quiet_NaN();
     CHECK(both_ways.infer(view, found, *memory) == frame_status::not_finite);
+    CHECK(both_ways.infer(view, found, features, *memory) == frame_status::not_finite);
 }

@@ -21,14 +21,15 @@ template <class View>
 class reflection_average {
 public:
     static constexpr shape input_shape = View::input_shape;
-    static constexpr std::size_t outputs = View::outputs;
+    static constexpr std::size_t outputs = View::outputs, features = View::features;
 
     /// Memory for one call. Nothing in it outlives the call.
     struct workspace {
         typename View::workspace network;            ///< memory of the network
         std::array<float, input_shape.size()> frame; ///< reflected
-        /// The outputs for each reflection.
+        /// The outputs and the features for each reflection.
         std::array<std::array<float, outputs>, all_reflections.size()> outputs_per_reflection;
+        std::array<std::array<float, features>, all_reflections.size()> features_per_reflection;
     };
 
     /// The weights of the view must outlive it.
@@ -37,19 +38,16 @@ public:
     /// As the view's call. `not_finite` if one of the four is.
     frame_status infer(frame_ref<input_shape> frame, std::span<float, outputs> to,
                        workspace& memory) const noexcept {
-        frame_status status = frame_status::ok;
-        for (std::size_t i = 0; i < all_reflections.size(); ++i)
-            frame.visit([&]<class Count>(tensor_view<const Count, input_shape> frame_elements) {
-                // Bytes stay bytes, which the network may read faster.
-                auto* const reflected = reinterpret_cast<Count*>(memory.frame.data());
-                reflect_image(input_shape, all_reflections[i], frame_elements.data(), reflected);
-                if (network_.infer(tensor_view<const Count, input_shape>(reflected),
-                                   memory.outputs_per_reflection[i], memory.network) != frame_status::ok)
-                    status = frame_status::not_finite;
-            });
-        const auto& [upright, rows, columns, both] = memory.outputs_per_reflection;
-        for (std::size_t o = 0; o < outputs; ++o)
-            to[o] = mean_of_reflections(upright[o], rows[o], columns[o], both[o]);
+        return infer_each(frame, to, memory, [](std::size_t) {});
+    }
+    /// As above, and writes the mean of the features, in the order of read_features of the view: what
+    /// distance_score finds unknown objects by.
+    frame_status infer(frame_ref<input_shape> frame, std::span<float, outputs> to,
+                       std::span<float, features> to_features, workspace& memory) const noexcept {
+        const frame_status status = infer_each(frame, to, memory, [&](std::size_t i) {
+            network_.read_features(memory.network, memory.features_per_reflection[i]);
+        });
+        average(memory.features_per_reflection, to_features);
         return status;
     }
 
@@ -62,6 +60,33 @@ public:
     }
 
 private:
+    /// Calls each(i) once the network has run on reflection i.
+    template <class Each>
+    frame_status infer_each(frame_ref<input_shape> frame, std::span<float, outputs> to, workspace& memory,
+                            const Each& each) const noexcept {
+        frame_status status = frame_status::ok;
+        for (std::size_t i = 0; i < all_reflections.size(); ++i) {
+            frame.visit([&]<class Count>(tensor_view<const Count, input_shape> frame_elements) {
+                // Bytes stay bytes, which the network may read faster.
+                auto* const reflected = reinterpret_cast<Count*>(memory.frame.data());
+                reflect_image(input_shape, all_reflections[i], frame_elements.data(), reflected);
+                if (network_.infer(tensor_view<const Count, input_shape>(reflected),
+                                   memory.outputs_per_reflection[i], memory.network) != frame_status::ok)
+                    status = frame_status::not_finite;
+            });
+            each(i);
+        }
+        average(memory.outputs_per_reflection, to);
+        return status;
+    }
+    template <std::size_t Count>
+    static void average(const std::array<std::array<float, Count>, all_reflections.size()>& numbers,
+                        std::span<float, Count> to) noexcept {
+        const auto& [upright, rows, columns, both] = numbers;
+        for (std::size_t e = 0; e < Count; ++e)
+            to[e] = mean_of_reflections(upright[e], rows[e], columns[e], both[e]);
+    }
+
     View network_;
 };
 
