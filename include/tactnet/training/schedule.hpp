@@ -3,12 +3,10 @@
 #include <tactnet/detail/config.hpp>
 
 #include <cmath>
-#include <cstddef>
-#include <limits>
 #include <numbers>
 #include <variant>
 
-// Learning rates over the epochs of a training, and when to stop it.
+// Learning rates over the epochs of a training.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
@@ -54,21 +52,5 @@ using schedule = std::variant<constant_rate, step_drop, one_cycle>;
 [[nodiscard]] inline double rate_at(const schedule& rule, double rate, double epoch, double epochs) {
     return std::visit([&](const auto& chosen) { return rate_at(chosen, rate, epoch, epochs); }, rule);
 }
-
-/// Stops when the validation loss has not fallen below its smallest value for `patience` checks. A patience
-/// of 0 never stops.
-struct early_stopping {
-    std::size_t patience = 0;
-    double smallest = std::numeric_limits<double>::infinity(); ///< loss so far
-    std::size_t waited = 0;                                    ///< checks since then
-
-    /// Adds a validation loss; returns whether to stop.
-    bool check(double loss) {
-        waited = loss < smallest ? 0 : waited + 1;
-        if (waited == 0)
-            smallest = loss;
-        return patience > 0 && waited >= patience;
-    }
-};
 
 }} // namespace tactnet

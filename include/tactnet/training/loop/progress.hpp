@@ -22,6 +22,22 @@ struct epoch_report {
     double validation_accuracy = std::numeric_limits<double>::quiet_NaN(); ///< NaN where none was due
 };
 
+/// Stops when the validation loss has not fallen below its smallest value for `patience` checks. A patience
+/// of 0 never stops.
+struct early_stopping {
+    std::size_t patience = 0;
+    double smallest = std::numeric_limits<double>::infinity(); ///< loss so far
+    std::size_t waited = 0;                                    ///< checks since then
+
+    /// Adds a validation loss; returns whether to stop.
+    bool check(double loss) {
+        waited = loss < smallest ? 0 : waited + 1;
+        if (waited == 0)
+            smallest = loss;
+        return patience > 0 && waited >= patience;
+    }
+};
+
 /// The state of a training besides the arrays of its network. Files store it as numbers.
 struct training_progress {
     std::uint64_t steps = 0;
