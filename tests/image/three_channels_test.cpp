@@ -16,9 +16,9 @@ void check() {
     for (std::size_t e = 0; e < Grey.size(); ++e)
         grey.data()[e] = static_cast<float>(e) * 1.25f - 20;
     const channel_normalisation normalise{{123.68f, 116.78f, 103.94f}, {1, 0.5f, 1.0f / 57}};
-    tensor<float, three_of(Grey)> planar;
+    tensor<float, with_three_channels(Grey)> planar;
     std::array<float, 3 * Grey.area()> last;
-    batch<float, three_of(Grey), 4> samples(6);
+    batch<float, with_three_channels(Grey), 4> samples(6);
     to_three_channels<Grey>(grey.view(), normalise, planar.view());
     to_three_channels_last<Grey>(grey.view(), normalise, last);
     to_three_channels<Grey>(grey.view(), normalise, samples.view(), 5);

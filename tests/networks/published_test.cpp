@@ -18,17 +18,18 @@ constexpr std::pair<shape, published_resolution> published[] = {{{7, 13}, publis
 
 } // namespace
 
-TEST_CASE("form_of: up to a published size in both directions its form, a tactel more the next one") {
+TEST_CASE("published_resolution_of: up to a published size in both directions its form, a tactel more the "
+          "next one") {
     for (std::size_t i = 0; i < 5; ++i) {
         const shape size = published[i].first;
         const published_resolution form = published[i].second;
         const published_resolution next = published[i < 4 ? i + 1 : 4].second;
         CAPTURE(size.rows);
-        CHECK(form_of(size) == form);
-        CHECK(form_of({size.rows, 1}) == form);
-        CHECK(form_of({1, size.columns}) == form);
-        CHECK(form_of({size.rows + 1, size.columns}) == next);
-        CHECK(form_of({size.rows, size.columns + 1}) == next);
+        CHECK(published_resolution_of(size) == form);
+        CHECK(published_resolution_of({size.rows, 1}) == form);
+        CHECK(published_resolution_of({1, size.columns}) == form);
+        CHECK(published_resolution_of({size.rows + 1, size.columns}) == next);
+        CHECK(published_resolution_of({size.rows, size.columns + 1}) == next);
     }
 }
 

@@ -22,7 +22,7 @@ struct channel_normalisation {
 };
 
 /// The shape of a grey image with three channels.
-[[nodiscard]] constexpr shape three_of(shape grey) {
+[[nodiscard]] constexpr shape with_three_channels(shape grey) {
     return {grey.rows, grey.columns, 3};
 }
 
@@ -30,7 +30,7 @@ struct channel_normalisation {
 template <shape Grey>
 [[gnu::flatten]] void to_three_channels(tensor_view<const float, Grey> grey,
                                         const channel_normalisation& normalise,
-                                        tensor_view<float, three_of(Grey)> to) {
+                                        tensor_view<float, with_three_channels(Grey)> to) {
     static_assert(Grey.channels == 1, "to_three_channels: expected an image of one channel");
     constexpr std::size_t width = kernels::lanes_for<float>(Grey.area());
     using wide = kernels::sized_vector<float, width>;
@@ -76,7 +76,7 @@ template <shape Grey>
 /// Writes one sample of a batch, for training.
 template <shape Grey, std::size_t Lanes>
 void to_three_channels(tensor_view<const float, Grey> grey, const channel_normalisation& normalise,
-                       batch_view<float, three_of(Grey), Lanes> to, std::size_t sample) {
+                       batch_view<float, with_three_channels(Grey), Lanes> to, std::size_t sample) {
     static_assert(Grey.channels == 1, "to_three_channels: expected an image of one channel");
     for (std::size_t channel = 0; channel < 3; ++channel)
         for (std::size_t e = 0; e < Grey.area(); ++e)

@@ -10,9 +10,9 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// The resolutions of the paper. The array has 28 × 50 tactels; the other images are resized.
 enum class published_resolution { r28x50, r20x35, r14x25, r10x18, r7x13 };
 
-/// The form of a network at any size: the form at the smallest published resolution that is at least as large
-/// in both directions, or the full form for larger images. At a published size it is the published form.
-[[nodiscard]] constexpr published_resolution form_of(shape image) {
+/// The resolution whose form a network has at any size: the smallest that is at least as large in both
+/// directions, or the full one for larger images. At a published size it is that size.
+[[nodiscard]] constexpr published_resolution published_resolution_of(shape image) {
     const auto within = [&](std::size_t rows, std::size_t columns) {
         return image.rows <= rows && image.columns <= columns;
     };

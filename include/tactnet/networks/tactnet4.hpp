@@ -15,7 +15,7 @@ struct tactnet4_form {
     /// As published at 28 × 50 (5, 3, 3) and at 14 × 25 (3, 2, 2; the authors' trained network). Unpublished
     /// sizes take the first.
     [[nodiscard]] static constexpr tactnet4_form at(shape image) {
-        if (form_of(image) == published_resolution::r14x25)
+        if (published_resolution_of(image) == published_resolution::r14x25)
             return {.kernel1 = 3, .kernel2 = 2, .kernel3 = 2};
         return {};
     }

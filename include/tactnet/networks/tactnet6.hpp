@@ -19,7 +19,7 @@ struct tactnet6_form {
     /// all pools have, and the fifth kernel is 2 × 2. Fewer halvings keep the maps of small images large
     /// enough, and make them cost more than large ones.
     [[nodiscard]] static constexpr tactnet6_form at(shape image) {
-        switch (form_of(image)) {
+        switch (published_resolution_of(image)) {
         case published_resolution::r7x13:
         case published_resolution::r10x18:
             return {.kernel5 = 2, .first_pool_stride = 1, .other_pools_stride = 1};
@@ -51,7 +51,7 @@ using tactnet6_economical = tactnet6<Input, Classes, tactnet6_form::economical()
 
 /// The authors' training at each of their five resolutions; sizes in between take the settings of their form.
 [[nodiscard]] constexpr published_training tactnet6_training(shape image) {
-    switch (form_of(image)) {
+    switch (published_resolution_of(image)) {
     case published_resolution::r7x13:
     case published_resolution::r10x18:
         return {.rate = 0.008, .drop_period = 150, .patience = 7, .drop_factor = 0.7, .validate_every = 15};
