@@ -254,7 +254,7 @@ TEST_CASE("couple_pairwise: pairs that are certain") {
 // 1 / (1 + exp(z)) of both forms: 3 roundings and two units of an exponential.
 TEST_CASE("sigmoid: separable values, and values of any size") {
     const std::vector<double> sides{1, 1, -1, -1}, values{800, 900, -800, -900};
-    const sigmoid fitted = fit_sigmoid(values, sides);
+    const platt_sigmoid fitted = fit_platt_sigmoid(values, sides);
     CHECK(std::isfinite(fitted.slope));
     // The optimum: by symmetry without an offset, where Σ v (target − p(v)) = 0. Newton's method ends where
     // this is below 1e-5; divided by its derivative, 4 · 850² · p (1 − p), and times 800 p (1 − p).
@@ -267,7 +267,7 @@ TEST_CASE("sigmoid: separable values, and values of any size") {
     hold("support vector machines", "sigmoid of separable values: P(first) at 800", unit::absolute,
          {1 / (1 + std::exp(-low * 800)), static_cast<double>(1 / (1 + std::exp(-800.0f))),
           fitted.probability(800), 1e-5 * 800 / (4 * 800.0 * 800.0)});
-    const sigmoid steep{1, 0};
+    const platt_sigmoid steep{1, 0};
     hold("support vector machines", "sigmoid of 1000", unit::absolute,
          {0, static_cast<double>(1 / (1 + std::exp(1000.0f))), steep.probability(1000), 0});
     hold("support vector machines", "sigmoid of 700", unit::relative,

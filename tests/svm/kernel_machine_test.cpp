@@ -38,7 +38,9 @@ double accuracy(const Machine& machine, const support::samples& s) {
 template <class Machine>
 bool same_machine(const Machine& a, const Machine& b) {
     const auto &p = a.parameters(), &q = b.parameters();
-    const auto same_sigmoid = [](sigmoid x, sigmoid y) { return x.slope == y.slope && x.offset == y.offset; };
+    const auto same_sigmoid = [](platt_sigmoid x, platt_sigmoid y) {
+        return x.slope == y.slope && x.offset == y.offset;
+    };
     return p.labels == q.labels && p.support_counts == q.support_counts &&
            p.support_vectors == q.support_vectors && p.coefficients == q.coefficients &&
            p.offsets == q.offsets && std::ranges::equal(p.sigmoids, q.sigmoids, same_sigmoid);

@@ -17,10 +17,10 @@ TEST_CASE("kernel_training: a part that leaves one side without samples answers 
         train_kernel_machine(two.rows(), two.labels,
                              kernel_training_options<rbf_kernel>{.probability_folds = 2}, alone)
             .machine;
-    const sigmoid expected = fit_sigmoid(std::vector<double>{-1, 1}, std::vector<double>{1, -1}),
-                  of_nothing = fit_sigmoid(std::vector<double>{0, 0}, std::vector<double>{1, -1});
+    const platt_sigmoid expected = fit_platt_sigmoid(std::vector<double>{-1, 1}, std::vector<double>{1, -1}),
+                        of_nothing = fit_platt_sigmoid(std::vector<double>{0, 0}, std::vector<double>{1, -1});
     REQUIRE(machine.parameters().sigmoids.size() == 1);
-    const sigmoid found = machine.parameters().sigmoids[0];
+    const platt_sigmoid found = machine.parameters().sigmoids[0];
     CHECK(found.slope == expected.slope);
     CHECK(found.offset == expected.offset);
     CHECK(found.slope != of_nothing.slope);

@@ -12,14 +12,14 @@
 using namespace tactnet;
 
 TEST_CASE("probability: a sigmoid is found again from draws that it made") {
-    const sigmoid truth{-1.5, 0.7};
+    const platt_sigmoid truth{-1.5, 0.7};
     random_stream random(1, random_purposes::order);
     std::vector<double> values, sides;
     for (std::size_t i = 0; i < 20'000; ++i) {
         values.push_back(random.uniform(-4, 4));
         sides.push_back(random.uniform() < truth.probability(values.back()) ? 1 : -1);
     }
-    const sigmoid found = fit_sigmoid(values, sides);
+    const platt_sigmoid found = fit_platt_sigmoid(values, sides);
     // The inverse of the information matrix of so many draws gives deviations of about 0.03.
     CHECK(std::abs(found.slope - truth.slope) < 0.1);
     CHECK(std::abs(found.offset - truth.offset) < 0.1);
@@ -38,14 +38,14 @@ TEST_CASE("probability: a sigmoid is found again from draws that it made") {
 
 TEST_CASE("probability: values that tell nothing, or all, give finite sigmoids; no exponential overflows") {
     const std::vector<double> sides{1, 1, -1, -1};
-    const sigmoid nothing = fit_sigmoid(std::vector<double>{0, 0, 0, 0}, sides);
+    const platt_sigmoid nothing = fit_platt_sigmoid(std::vector<double>{0, 0, 0, 0}, sides);
     CHECK(nothing.probability(0) == doctest::Approx(0.5).epsilon(1e-3));
-    const sigmoid all = fit_sigmoid(std::vector<double>{1e6, 2e6, -1e6, -2e6}, sides);
+    const platt_sigmoid all = fit_platt_sigmoid(std::vector<double>{1e6, 2e6, -1e6, -2e6}, sides);
     CHECK(std::isfinite(all.slope));
     CHECK(all.probability(1e6) > 0.5);
     CHECK(all.probability(-1e6) < 0.5);
-    CHECK(sigmoid{1, 0}.probability(1e5) == 0);
-    CHECK(sigmoid{1, 0}.probability(-1e5) == 1);
+    CHECK(platt_sigmoid{1, 0}.probability(1e5) == 0);
+    CHECK(platt_sigmoid{1, 0}.probability(-1e5) == 1);
 }
 
 TEST_CASE("probability: coupling finds probabilities that the pairs agree on") {

@@ -139,7 +139,7 @@ void add_machine(safetensors_writer& writer, const kernel_machine<Kernel, Featur
                std::span<const double>(parts.coefficients));
     writer.add("offsets", {parts.offsets.size()}, std::span<const double>(parts.offsets));
     std::vector<double> sigmoids;
-    for (const sigmoid& s : parts.sigmoids)
+    for (const platt_sigmoid& s : parts.sigmoids)
         sigmoids.insert(sigmoids.end(), {s.slope, s.offset});
     if (!sigmoids.empty())
         writer.add("sigmoids", {parts.sigmoids.size(), 2}, std::span<const double>(sigmoids));

@@ -35,8 +35,8 @@ struct kernel_machine_parameters {
     /// A row for each support vector. One versus one: its signed coefficients against the other classes in
     /// order; one versus rest: those in the machines of all classes.
     std::vector<double> coefficients;
-    std::vector<double> offsets;   ///< of each machine
-    std::vector<sigmoid> sigmoids; ///< of each machine, or none
+    std::vector<double> offsets;         ///< of each machine
+    std::vector<platt_sigmoid> sigmoids; ///< of each machine, or none
     std::optional<standardisation> standardise;
 
     /// Values in a row of coefficients.

@@ -42,8 +42,9 @@ namespace detail {
 /// The sigmoid of one machine, on values of machines that have not seen the samples. If a fold leaves one
 /// side without samples, the other side is the answer, as in LIBSVM.
 template <svm_kernel Kernel>
-sigmoid cross_validated_sigmoid(const kernel_samples<Kernel>& samples, const binary_problem& problem,
-                                const solver_options& options, std::size_t max_folds, std::uint64_t seed) {
+platt_sigmoid cross_validated_sigmoid(const kernel_samples<Kernel>& samples, const binary_problem& problem,
+                                      const solver_options& options, std::size_t max_folds,
+                                      std::uint64_t seed) {
     const std::size_t n = problem.samples.size(), folds = std::min(max_folds, n);
     std::vector<std::vector<std::size_t>> sides(2);
     for (std::size_t k = 0; k < n; ++k)
@@ -76,7 +77,7 @@ sigmoid cross_validated_sigmoid(const kernel_samples<Kernel>& samples, const bin
         for (std::size_t h = 0; h < held_out.size(); ++h)
             values[held_out[h]] = found[h];
     }
-    return fit_sigmoid(values, problem.sides);
+    return fit_platt_sigmoid(values, problem.sides);
 }
 
 /// Gathers the support vectors of all machines, by class.

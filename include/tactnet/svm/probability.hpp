@@ -13,7 +13,7 @@
 namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// P(first class | value) = 1 / (1 + exp(slope · value + offset))
-struct sigmoid {
+struct platt_sigmoid {
     double slope = 0;
     double offset = 0;
 
@@ -27,7 +27,8 @@ struct sigmoid {
 /// Maximum likelihood with Platt's targets, by Newton's method with backtracking (Lin, Lin and Weng, "A note
 /// on Platt's probabilistic outputs for support vector machines", Machine Learning 68, 2007). `sides` above
 /// zero are the first class. The values should come from machines that have not seen the samples.
-[[nodiscard]] inline sigmoid fit_sigmoid(std::span<const double> values, std::span<const double> sides) {
+[[nodiscard]] inline platt_sigmoid fit_platt_sigmoid(std::span<const double> values,
+                                                     std::span<const double> sides) {
     constexpr std::size_t max_iterations = 100;
     constexpr double least_step = 1e-10, ridge = 1e-12, enough = 1e-5;
     double first = 0, second = 0;
@@ -35,7 +36,7 @@ struct sigmoid {
         (side > 0 ? first : second) += 1;
     const double high = (first + 1) / (first + 2), low = 1 / (second + 2);
     const auto target = [&](std::size_t i) { return sides[i] > 0 ? high : low; };
-    const auto loss = [&](const sigmoid& s) {
+    const auto loss = [&](const platt_sigmoid& s) {
         double sum = 0;
         for (std::size_t i = 0; i < values.size(); ++i) {
             const double z = values[i] * s.slope + s.offset;
@@ -45,7 +46,7 @@ struct sigmoid {
         return sum;
     };
 
-    sigmoid s{0, std::log((second + 1) / (first + 1))};
+    platt_sigmoid s{0, std::log((second + 1) / (first + 1))};
     double now = loss(s);
     for (std::size_t iteration = 0; iteration < max_iterations; ++iteration) {
         double h11 = ridge, h22 = ridge, h21 = 0, g1 = 0, g2 = 0;
@@ -65,7 +66,7 @@ struct sigmoid {
         const double descent = g1 * d_slope + g2 * d_offset;
         double step = 1;
         for (; step >= least_step; step /= 2) {
-            const sigmoid next{s.slope + step * d_slope, s.offset + step * d_offset};
+            const platt_sigmoid next{s.slope + step * d_slope, s.offset + step * d_offset};
             const double reached = loss(next);
             if (reached < now + 1e-4 * step * descent) {
                 s = next;
