@@ -1,12 +1,6 @@
 #pragma once
 
 #include <tactnet/layers/activation.hpp>
-#include <tactnet/layers/activations/gelu.hpp>
-#include <tactnet/layers/activations/hard.hpp>
-#include <tactnet/layers/activations/hyperbolic_tangent.hpp>
-#include <tactnet/layers/activations/leaky_relu.hpp>
-#include <tactnet/layers/activations/sigmoid.hpp>
-#include <tactnet/layers/activations/softplus.hpp>
 #include <tactnet/layers/average_pool.hpp>
 #include <tactnet/layers/batch_norm.hpp>
 #include <tactnet/layers/composition/concatenation.hpp>
@@ -20,5 +14,7 @@
 #include <tactnet/layers/layer.hpp>
 #include <tactnet/layers/local_response_norm.hpp>
 #include <tactnet/layers/max_pool.hpp>
+#include <tactnet/layers/piecewise_activations.hpp>
+#include <tactnet/layers/smooth_activations.hpp>
 #include <tactnet/layers/softmax.hpp>
 #include <tactnet/layers/square_root.hpp>

@@ -1,9 +1,5 @@
-#include <tactnet/layers/activations/gelu.hpp>
-#include <tactnet/layers/activations/hard.hpp>
-#include <tactnet/layers/activations/hyperbolic_tangent.hpp>
-#include <tactnet/layers/activations/leaky_relu.hpp>
-#include <tactnet/layers/activations/sigmoid.hpp>
-#include <tactnet/layers/activations/softplus.hpp>
+#include <tactnet/layers/piecewise_activations.hpp>
+#include <tactnet/layers/smooth_activations.hpp>
 
 #include <algorithm>
 #include <array>
