@@ -1,6 +1,7 @@
-// What everything that decides costs beside the network that it serves: TactNet-6 at 28 × 50 in single
-// precision and in 8 bits, with random weights, on a stream of touches. Each round times the network alone
-// and the same with all stages, one after the other; the table has medians of rounds and of their ratios.
+// What everything that decides costs in addition to the network that it serves: TactNet-6 at 28 × 50 in
+// single precision and in 8 bits, with random weights, on a stream of touches. Each round times the network
+// alone and the same with all stages, one after the other; the table has medians of rounds and of their
+// ratios.
 //
 //     benchmark_decision_cost        on one core: taskset -c 1
 

@@ -2,9 +2,9 @@
 // prints a table of medians, spreads, ratios to each peer and shares of the core's multiply-add peak,
 // measured in the same run. Rounds of all benchmarks are interleaved, so that a change of the machine's speed
 // meets them alike; there are more of them until each ratio is known to 3 % (--known_to=0.03), or a time has
-// passed (--seconds=300; with 0 there are seven rounds). A loop in registers runs beside, and tells how much
-// of that is the machine's. --table=FILE and --table_8bit=FILE write CSV; with --fastest the tables have the
-// fastest round in place of the median, for a machine that others use too.
+// passed (--seconds=300; with 0 there are seven rounds). A loop in registers runs in turns with them and
+// shows how much of that is the machine's. --table=FILE and --table_8bit=FILE write CSV; with --fastest the
+// tables have the fastest round in place of the median, for a machine that others use too.
 
 #include "inference.hpp"
 
@@ -53,8 +53,8 @@ public:
         std::sort(s.begin(), s.end());
         const double median = fastest_ ? s.front() : s[s.size() / 2];
         const double spread = (s[s.size() * 3 / 4] - s[s.size() / 4]) / 2 / median;
-        // Of a normal distribution: half the quartiles' distance is 0.6745 σ, the median's error 1.2533 σ ÷
-        // √n.
+        // For a normal distribution, half the quartiles' distance is 0.6745 σ and the median's error 1.2533 σ
+        // ÷ √n.
         return {median, spread, 1.2533 / 0.6745 * spread / std::sqrt(static_cast<double>(s.size()))};
     }
 
@@ -68,7 +68,7 @@ double error_of_ratio(const collector::summary& a, const collector::summary& b) 
     return std::hypot(a.error, b.error);
 }
 
-/// Peers beside oneDNN, where they were found when this was compiled.
+/// Peers other than oneDNN that were found when this was compiled.
 constexpr const char* other_peers[] = {"onnxruntime", "opencv_dnn", "libtorch"};
 
 /// The fastest peer of a case ("tactnet6/28x50/batch1"); in 8 bits there is oneDNN alone.
@@ -140,7 +140,7 @@ void print_table(const collector& all, std::size_t batch, double peak, std::FILE
                     std::exp(logarithms / static_cast<double>(count)), smallest);
 }
 
-/// In 8 bits, beside oneDNN's own and beside single precision.
+/// In 8 bits, compared with oneDNN's int8 and with single precision.
 void print_8bit_table(const collector& all, std::size_t batch, std::FILE* csv) {
     std::printf("\nin 8 bits, batch %zu, microseconds a frame (median, half the quartiles' distance)\n"
                 "%-20s %18s %18s %8s %12s\n",

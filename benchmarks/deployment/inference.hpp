@@ -18,7 +18,7 @@
 #include <type_traits>
 #include <vector>
 
-// Deployed inference beside its peers: one network at one size, in batches of 1 and 64, in single precision
+// Deployed inference and its peers: one network at one size, in batches of 1 and 64, in single precision
 // and in 8 bits. Every implementation must give the logits of the network in double precision before it is
 // timed, in 8 bits as nearly as bytes can, and the same bits afterwards.
 

@@ -1,7 +1,7 @@
-// Large networks deployed, beside oneDNN, in turns: one network, batch and number of threads a run. Both must
+// Large networks, deployed and in oneDNN, in turns: one network, batch and number of threads a run. Both must
 // agree before they are timed, and give the same bits afterwards. Memory of both is kept from call to call.
 // Run it pinned to as many idle cores as it has threads; with several threads set OMP_WAIT_POLICY=passive,
-// else oneDNN's waiting threads take the cores of whoever is measured beside it.
+// else oneDNN's waiting threads take cores from the other measurement.
 
 #include "large_networks.hpp"
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-// A large network deployed, and beside it the same network in a peer: what large_networks.cpp measures, and
+// A large network, deployed and in a peer: what large_networks.cpp measures, and
 // large_networks_unit.cpp.in makes, one unit a network.
 
 namespace benchmark {

@@ -23,7 +23,7 @@
 
 namespace {
 
-/// Bytes of the caches of this core, 0 where the system does not tell.
+/// Bytes of the caches of this core, 0 if the system does not report them.
 struct cache_sizes {
     double first = 0, second = 0, third = 0;
 

@@ -1,6 +1,6 @@
-// Resize and augmentation of tactile images, beside OpenCV where it was found, on one core. Rounds of all are
-// interleaved, so that a change of the machine's speed meets them alike; what is timed is checked first. Run
-// it pinned to an idle core.
+// Resize and augmentation of tactile images, compared with OpenCV if it was found, on one core. Rounds of all
+// are interleaved, so that a change of the machine's speed meets them alike; what is timed is checked first.
+// Run it pinned to an idle core.
 
 #include "../peers/image_peer.hpp"
 

@@ -13,9 +13,9 @@
 #include <span>
 #include <vector>
 
-// Images per second in inference and in training steps of a network, on one core, beside the core's own
-// multiply-add peak measured in the same run. Every timed step is checked: the logits of the last run must be
-// those of the first to the bit.
+// Images per second in inference and in training steps of a network, on one core, compared with the core's
+// own multiply-add peak measured in the same run. Every timed step is checked: the logits of the last run
+// must be those of the first to the bit.
 
 namespace benchmark {
 

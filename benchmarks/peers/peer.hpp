@@ -35,7 +35,7 @@ public:
 [[nodiscard]] std::unique_ptr<peer> make_libtorch(const described_network& network, std::size_t batch);
 /// ONNX Runtime's sessions, on one thread.
 [[nodiscard]] std::unique_ptr<peer> make_onnxruntime(const described_network& network, std::size_t batch);
-/// oneDNN in 8 bits on one thread. `frames`, as many as it will run, tell which numbers the maps hold.
+/// oneDNN in 8 bits on one thread. `frames`, as many as it will run, set the activation ranges.
 [[nodiscard]] std::unique_ptr<byte_peer> make_onednn_8bit(const described_network& network, std::size_t batch,
                                                           std::span<const std::uint8_t> frames);
 

@@ -1,8 +1,8 @@
-// How fast recordings are decoded on one core, beside a reader on std::istream in the same run, in turns. The
-// recordings are made here: frames of 28 × 28 cells with the margins and the hand that real ones have, as
-// text, and of 44 × 52 cells as a binary recording, once with a few touched cells and once with all. Every
-// round checks the sum of all cells. With a file as argument, that is decoded as well. Run it pinned to an
-// idle core.
+// How fast recordings are decoded on one core, compared with a reader on std::istream in the same run, in
+// turns. The recordings are made here: frames of 28 × 28 cells with the margins and the hand that real ones
+// have, as text, and of 44 × 52 cells as a binary recording, once with a few touched cells and once with all.
+// Every round checks the sum of all cells. With a file as argument, that is decoded as well. Run it pinned to
+// an idle core.
 
 #include "../support/measure.hpp"
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-// Timing that can be trusted on a shared machine: several rounds, of which the fastest tells what the code
+// Timing that can be trusted on a shared machine: several rounds, of which the fastest shows what the code
 // can do and the median what this machine gave it.
 
 namespace benchmark {

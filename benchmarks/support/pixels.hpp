@@ -34,7 +34,7 @@ struct pixel_split {
     pixel_rows training, test;
 };
 
-/// Of each class 32 images drawn for training, class after class, the others for the test.
+/// Draws 32 images of each class for training, class after class; the others are for the test.
 [[nodiscard]] inline pixel_split split_pixels(const tactnet::image_set& images, std::uint64_t seed) {
     constexpr std::size_t for_training = 32;
     pixel_split split;

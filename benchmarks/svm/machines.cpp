@@ -1,6 +1,6 @@
-// Support vector machines beside LIBSVM and LIBLINEAR: training and prediction on synthetic clouds and, with
-// a folder of images as the argument, on raw pixels. Rounds of both are interleaved, and every result is
-// checked: the same answers, the same objective.
+// Support vector machines compared with LIBSVM and LIBLINEAR: training and prediction on synthetic clouds
+// and, with a folder of images as the argument, on raw pixels. Rounds of both are interleaved, and every
+// result is checked: the same answers, the same objective.
 
 #include "../peers/support_vector_machines.hpp"
 #include "../support/machine_comparison.hpp"
@@ -180,7 +180,7 @@ struct spread {
     [[nodiscard]] double deviation() const { return std::sqrt((squares - sum * mean()) / (count - 1)); }
 };
 
-/// Accuracy of RBF on raw pixels over random splits, beside LIBSVM's on the same.
+/// Accuracy of RBF on raw pixels over random splits, and LIBSVM's on the same splits.
 bool measure_accuracy(const tactnet::image_set& images) {
     constexpr std::size_t splits = 10;
     tactnet::thread_pool one;

@@ -26,7 +26,7 @@ for (const row of rows) {
 }
 
 const wasm = packed(wasmFile), weights = packed(weightFile);
-// Of a page's own text alone, so that no file can end a script early.
+// Replaces in the page's own text alone, so that no file can end a script early.
 const kilobytes = (bytes) => Math.round(bytes / 1000).toString();
 const fill = (size) => {
   const values = {

@@ -4,7 +4,7 @@
 const PIXELS = 28 * 50, CLASSES = 22;
 let wasm, memory, turn = 0, lastTimed = 0, lastKey = '';
 const costs = { network: {}, effects: {} };
-let known = {}, held; // what the C++ was told last, and the object as it was drawn
+let known = {}, held; // what the C++ was given last, and the object as it was drawn
 
 const decoded = async (base64) => {
   const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));

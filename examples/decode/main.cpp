@@ -1,7 +1,7 @@
 // tactnet_decode: what is in a sensor's recording, as a summary, as text or as a picture.
 //
 // Exit status: 0, or 2 (bad input or arguments, or output that cannot be written). Of a damaged recording the
-// whole frames are printed before the error, and standard error tells how many of them are certain. What is
+// whole frames are printed before the error, and standard error reports how many of them are certain. What is
 // unlike a real writer is a warning there, and no reason for another exit status.
 
 #include "arguments.hpp"
@@ -37,7 +37,7 @@ namespace {
 
 constexpr int success = 0, bad_input = 2;
 
-/// To the nanosecond: no sensor tells more, and sums of tenths do not show.
+/// To the nanosecond: no sensor is more precise, and sums of tenths do not show.
 std::string seconds_text(std::optional<double> seconds) {
     return seconds ? tactnet::shortest_text(std::round(*seconds * 1e9) / 1e9) : "";
 }

@@ -52,7 +52,7 @@ auto frame_of(Scene& scene, touch some) {
     return frames.measured;
 }
 
-/// So that stronger readings can be told from full scale.
+/// So that stronger readings differ from full scale.
 touch lightly(touch some) {
     some.press.amount *= 0.6;
     return some;

@@ -144,7 +144,7 @@ bool run(Decoder decoder, stage& to) {
         return false;
     }
     if (whole ||
-        !std::is_same_v<Decoder, tactnet::any_recording>) // which has told its damage, and ends there
+        !std::is_same_v<Decoder, tactnet::any_recording>) // which has reported its damage, and ends there
         note(decoder.finish(take));
     finish_output();
     // Bytes in front of the first packet are passed over, so that all of another device's stream would be.

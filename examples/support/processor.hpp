@@ -7,7 +7,7 @@
 #include <map>
 #include <string>
 
-/// What the system calls it, with family and model where they are told, since a virtual machine may call all
+/// The system's name for it, with family and model where they are known, since a virtual machine may call all
 /// of a maker's processors the same: "AMD EPYC (family 26 model 2)". "unknown" where the system says nothing.
 inline std::string processor_name() {
     std::ifstream file("/proc/cpuinfo");

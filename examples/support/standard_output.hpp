@@ -11,6 +11,6 @@ void ignore_output_signals() noexcept;
 /// To standard output. Throws tactnet::file_error when it does not take it.
 void print(std::string_view text);
 
-/// What the system has kept back so far, and at the end of a program, before it tells success. Throws
+/// Writes what the system has buffered so far; for the end of a program, before it reports success. Throws
 /// tactnet::file_error unless all that was written to standard output has been taken.
 void finish_output();

@@ -265,7 +265,7 @@ TEST_CASE("sensor_health: an array with too many faults is worn out, and still g
         (void)sensor.clean(broken);
     CHECK(sensor.worn_out());
     CHECK(sensor.faults().size() == health::max_faults);
-    // Spikes are replaced all the same, but for one beside those that the list has no room for.
+    // Spikes are replaced all the same, except one next to those that the list has no room for.
     const frame found = cleaned(sensor, broken);
     CHECK(std::count(found.begin(), found.end(), 0) >= 1399);
 }

@@ -70,7 +70,7 @@ bool reports(const Deployed& network, const std::vector<float>& frame) {
     return network.infer(float_frame<Deployed>(frame.data()), std::span(out)) == frame_status::not_finite;
 }
 
-/// Of all pixels and bad values, those that a network takes for a good frame.
+/// The pairs of a pixel and a bad value that a network takes for a good frame.
 template <class Deployed>
 std::size_t bad_pixels_missed(const Deployed& network, std::vector<float> bad_values = {}) {
     for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
@@ -88,7 +88,7 @@ std::size_t bad_pixels_missed(const Deployed& network, std::vector<float> bad_va
     return missed;
 }
 
-/// Batches of all sizes, beside each frame alone.
+/// Batches of all sizes, compared with each frame alone.
 template <class Deployed>
 void check_batches(const Deployed& network, std::size_t most) {
     constexpr std::size_t size = Deployed::input_shape.size(), outputs = Deployed::outputs;

@@ -122,7 +122,7 @@ TEST_CASE_TEMPLATE("deployed: frames together, on any number of threads, leave t
                 CHECK(support::numbers_that_differ(together, first) == 0);
             }
         }
-        // A broken frame among others is told.
+        // A broken frame among others is reported.
         std::vector<float> broken = counts;
         broken[3 * size + 7] = std::numeric_limits<float>::infinity();
         std::vector<float> to(frames * outputs);

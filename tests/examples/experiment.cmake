@@ -44,7 +44,7 @@ if(NOT browser OR NOT page MATCHES "<svg")
     message(STATUS "The page is not looked at: there is no Chromium, or no gnuplot.")
     return()
 endif()
-# What the page's script makes of it: a point under the pointer is told.
+# What the page's script makes of it: the point under the pointer is described.
 string(REPLACE "</body>" "<script>
 document.querySelector('[onmousemove]').dispatchEvent(new MouseEvent('mousemove', {clientX: 9, clientY: 9}));
 document.title = hint.style.display + ': ' + hint.textContent;

@@ -82,7 +82,7 @@ TEST_CASE("transfer: from images and weights to a table of accuracies") {
     for (std::string line; std::getline(lines, line); ++count) {
         const std::size_t percent = line.find(count % 2 == 0 ? "random" : "blocked");
         REQUIRE(percent != std::string::npos);
-        // Bars of three angles are told apart by any features of edges.
+        // Any features of edges distinguish bars of three angles.
         CHECK(std::stod(line.substr(percent + 7)) >= 75);
     }
     CHECK(count == 6);

@@ -12,14 +12,14 @@
 namespace faults {
 namespace {
 
-/// A file, how it is read, and what must come out of it unless damage is told.
+/// A file, how it is read, and what must come out of it unless damage is reported.
 struct reading {
     const char* file;   ///< in the folder of what was made, or inside a folder there
     const char* folder; ///< brought whole, if it is inside one
     words (*command)(const materials&);
     /// What came out, of `end` and of what stands in the folder now.
     std::string (*outcome)(const ending& end, const fs::path& folder);
-    bool summed; ///< every flip must be told, also one without effect here
+    bool summed; ///< every flip must be reported, also one without effect here
 };
 
 std::string printed(const ending& end, const fs::path&) {
@@ -193,7 +193,7 @@ bool sums_hold(const std::string& text) {
     return stated == found;
 }
 
-/// Of a text recording, whose frames have sums: other cells need a message, unless every sum still holds.
+/// For a text recording whose frames have sums: other cells need a message, unless every sum still holds.
 finding decode_summed(scene& s, const std::string& bytes) {
     const std::string name = "sample.csv";
     const ending end = decode(s, name, bytes);

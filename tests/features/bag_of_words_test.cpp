@@ -65,7 +65,7 @@ void compare(std::size_t word_count, std::size_t descriptor_count) {
 
 } // namespace
 
-// Words of ±16 at 65536, each descriptor a quarter beside its own: the squares are 2e10, the distances 1.
+// Words of ±16 at 65536, each descriptor a quarter away from its own: the squares are 2e10, the distances 1.
 TEST_CASE("bag_of_words: words far from zero, against the nearest by force") {
     auto words = random_rows(37, 5, 1);
     for (float& v : words)

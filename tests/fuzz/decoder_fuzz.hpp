@@ -1,8 +1,8 @@
 #pragma once
 
 // What holds for every decoder and any bytes: frames and status do not depend on how the bytes are split,
-// frames are of the size that the description says and hold counts or pressures, and damage is told with its
-// place.
+// frames are of the size that the description says and hold counts or pressures, and damage is reported with
+// its place.
 
 #include <tactnet/sensors/decoder.hpp>
 

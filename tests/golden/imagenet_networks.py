@@ -135,7 +135,7 @@ def through(module, x):
     if isinstance(module, nn.MaxPool2d):
         return Rounded(module(x.value), module(x.squares))
     if isinstance(module, nn.AdaptiveAvgPool2d):
-        # Of a bin of n numbers: the mean of the squares is n times that of the mean.
+        # In a bin of n numbers, the mean of the squares is n times that of the mean.
         side = (x.value.shape[2], x.value.shape[3])
         bins = [
             torch.tensor([float(-(-(i + 1) * s // o) - i * s // o) for i in range(o)], dtype=torch.float64)

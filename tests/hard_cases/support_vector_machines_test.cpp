@@ -228,7 +228,7 @@ TEST_CASE("kernel_machine: features of very different size, standardised") {
         const auto fresh = machine.decision_values(s.rows(), threads);
         return std::pair(count, std::ranges::all_of(fresh, [](double v) { return std::isfinite(v); }));
     };
-    // Of the first 30, at most 3 lie nearer to another centre.
+    // At most 3 of the first 30 lie nearer to another centre.
     CHECK(right(true).second);
     CHECK(right(false).second);
     hold("support vector machines", "features of 1e-12, 1 and 1e12: correct of 30", unit::absolute,

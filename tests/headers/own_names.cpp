@@ -60,7 +60,7 @@ int sum_of_own_names() {
     return sum;
 }
 
-// What the library calls by telling names.
+// Names of the library that describe what they are.
 using own_network = network<::tactnet::shape{28, 50, 1}, conv2d<8, extent2d{5, 3}, 1, padding::valid>,
                             residual<conv2d<8, 3>, identity_layer>, dense<22>, softmax>;
 static_assert(own_network::outputs == 22);

@@ -23,7 +23,7 @@ set(room_transfer io text deployment image networks layers kernels runtime tenso
 set(room_svm text kernels runtime tensor)
 set(room_features text kernels runtime tensor)
 set(room_io text kernels runtime tensor) # io/parameters.hpp and others take a network as a template argument and include none
-set(header_io/model_file.hpp networks) # what this one may include beside: it is the file of a networks/model.hpp
+set(header_io/model_file.hpp networks) # what this one may include in addition: it is the file of a networks/model.hpp
 set(room_sensors io text tensor)
 # Of io only what needs nothing but the standard library, as sensors must work without any other.
 set(only_sensors_io file_error read_file)
@@ -49,16 +49,16 @@ foreach(folder IN ITEMS batch integer map panels)
 endforeach()
 set(folder_kernels/frame panels simd)
 set(folder_kernels/rows panels simd)
-set(folder_kernels simd) # headers beside the folders
+set(folder_kernels simd) # headers next to the folders
 
-# Folders that nothing beside themselves includes but these: whoever simulates objects of his own does not pay for
+# Folders that only these and they themselves include: whoever simulates objects of his own does not pay for
 # the paper's 22 classes.
 set(closed_folders simulation/paper)
 set(users_of_simulation/paper simulation.hpp)
 
 # What only kernels/ may know.
 set(kernel_headers "^xsimd/|^(immintrin|x86intrin|arm_acle|arm_neon|arm_sve|wasm_simd128)\\.h$")
-# What may know Eigen, beside the room eigen: whoever includes none of it needs no Eigen.
+# What may include Eigen, apart from the room eigen: whoever includes none of it needs no Eigen.
 set(eigen_users simulation/effects/circuit/resistive_network.hpp)
 # What the standard library leaves to the system: files that are safe on disk, an interrupt from the keyboard.
 set(system_headers "^(unistd|fcntl|io|windows)\\.h$|^sys/[a-z]+\\.h$")
@@ -80,7 +80,7 @@ endif()
 list(SORT headers)
 
 foreach(header IN LISTS headers)
-    # A room is a folder; an umbrella <room>.hpp beside the folders belongs to the room.
+    # A room is a folder; an umbrella <room>.hpp next to the folders belongs to the room.
     string(REGEX REPLACE "/.*|\\.hpp$" "" room "${header}")
     if(NOT DEFINED room_${room})
         problem("${header}: there is no room '${room}'; give it its place in tests/layering/check.cmake")

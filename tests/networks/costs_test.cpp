@@ -1,4 +1,4 @@
-// What networks cost at many sizes, told without their layers, against the layers' own constants.
+// What networks cost at many sizes, computed without their layers, against the layers' own constants.
 
 #include <tactnet/networks.hpp>
 

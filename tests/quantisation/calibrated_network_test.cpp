@@ -19,7 +19,7 @@ using support::second_weight;
 
 namespace {
 
-/// What is found for one filter over two inputs, by someone who tells what error each weight makes.
+/// What is found for one filter over two inputs, given the error that each weight makes.
 struct judged_pair {
     std::vector<float> folded;
     double error, error_of_rounded;

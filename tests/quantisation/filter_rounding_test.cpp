@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-// Moments of pixels, and the weights found by them: beside the pixels themselves, and beside all others that
-// there are.
+// Moments of pixels, and the weights found by them, compared with the pixels themselves and with all others
+// that there are.
 
 using namespace tactnet;
 using detail::filter_rounding;
@@ -109,7 +109,7 @@ TEST_CASE("pixel_moments: means, covariances, biases and errors are those of the
         for (const std::vector<float>& weights : {std::vector<float>{0, 0, 0}, {1, 1, 0}, {-2, 0.5f, 3}}) {
             const double bias = seen.best_bias(f, weights), least = seen.error(f, weights, bias);
             CHECK(std::abs(least - pixels.error(f, weights, bias)) <= of_moments);
-            // A bias beside the best one does worse, by the square of the distance.
+            // Any bias other than the best one does worse, by the square of the distance.
             CHECK(std::abs(seen.error(f, weights, bias + 0.5) - least - 0.25) <= of_moments);
         }
     }

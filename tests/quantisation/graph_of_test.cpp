@@ -10,7 +10,8 @@
 #include <string>
 #include <vector>
 
-// The description of a network of every kind of step: written down by hand, and beside its layout in files.
+// The description of a network of every kind of step: compared with one written by hand and with its layout
+// in files.
 
 using namespace tactnet;
 using detail::calibration_graph;

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-// Whole networks by plain loops, beside the deployed ones that they describe.
+// Whole networks by plain loops, compared with the deployed ones that they describe.
 
 using namespace tactnet;
 
@@ -43,7 +43,7 @@ std::vector<float> plain_outputs(const detail::calibration_graph& steps, std::sp
         steps.softmax(outputs);
     return outputs;
 }
-/// Of all maps, in the order of a description; those of the frame first.
+/// The ranges of all maps, in the order of a description; those of the frame first.
 std::vector<map_range> ranges_of(const detail::calibration_graph& steps, const folded_layout& layout,
                                  std::span<const float> folded) {
     std::vector<map_range> ranges(steps.ranges);
@@ -188,7 +188,7 @@ TEST_CASE("node_executor: a description gives what the deployed network gives, e
     // two forms: 2 · 10 · √900 · 2⁻²⁴ = 3.6e-5, which cancellation may double.
     //
     // Rounded: each byte is off by step / √12. Where the numbers before rounding differ by a part d of a
-    // step, that part of the bytes become the byte beside, which is off by a step: √(12 d) of the rounding
+    // step, that part of the bytes become the next byte, which is off by a step: √(12 d) of the rounding
     // error. Norms round weights to 15 bits, so d = 255 / 65534; roots to 1/1024, of a step of 1/16 at least
     // half of that, so d < 1/128; such bytes then differ in the sums behind them by as little. With two such
     // maps, d below 1/50: a half. Two roundings that had nothing in common would differ by √2. Where there is

@@ -51,7 +51,7 @@ struct drawn_step {
         for (std::size_t i = 0; i < net.numbers; ++i)
             maps.push_back(next(7));
     }
-    /// Of a filter at a pixel of the sums; none beside them. Weights are rounded to halves, ties to the even
+    /// The sum of a filter at a pixel; none outside the map. Weights are rounded to halves, ties to the even
     /// number of them.
     [[nodiscard]] std::optional<double> sum_at(std::size_t filter, std::size_t y, std::size_t x,
                                                bool rounded) const {

@@ -10,7 +10,7 @@ namespace support {
 
 using namespace tactnet::simulation;
 
-/// Shows what an effect is told in place of what it does with it.
+/// Writes what an effect is given instead of what it does with it.
 struct witness {
     static constexpr stage place = stage::film;
 

@@ -9,7 +9,7 @@
 using namespace tactnet;
 
 // Where a part of the cross-validation leaves one side alone, that side is the answer to what was held out,
-// which is of the other one: of two points each is told to be the other.
+// which is of the other one: each of two points is labelled as the other.
 TEST_CASE("kernel_training: a part that leaves one side without samples answers with the other side") {
     const support::samples two{1, {-1, 1}, {5, 9}};
     thread_pool alone;
@@ -24,5 +24,6 @@ TEST_CASE("kernel_training: a part that leaves one side without samples answers 
     CHECK(found.slope == expected.slope);
     CHECK(found.offset == expected.offset);
     CHECK(found.slope != of_nothing.slope);
-    CHECK(found.slope > 0); // the larger the value, the less likely the first class: told the wrong way round
+    CHECK(found.slope >
+          0); // the larger the value, the less likely the first class: labelled the wrong way round
 }

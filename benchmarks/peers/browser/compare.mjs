@@ -1,4 +1,4 @@
-// The networks of the page in docs/browser beside onnxruntime-web with one thread and beside a native build, with the
+// The networks of the page in docs/browser compared with onnxruntime-web with one thread and with a native build, with the
 // same weights: prints the tables of docs/browser.md.
 //
 //     npm install --prefix FOLDER onnxruntime-web@1.30 && cmake --build build --target benchmark_browser

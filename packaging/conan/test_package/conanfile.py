@@ -18,7 +18,7 @@ class TactnetTestConan(ConanFile):
 
     def generate(self):
         toolchain = CMakeToolchain(self)
-        toolchain.user_presets_path = False  # nothing is left beside the sources
+        toolchain.user_presets_path = False  # nothing is left in the sources
         toolchain.cache_variables["COMPONENTS"] = ";".join(self._programs())
         toolchain.generate()
         CMakeDeps(self).generate()

@@ -52,7 +52,7 @@ tactnet::eight_bit_calibration<Network> calibrated(const Network& net, std::uint
             std::span<const float>(frames)};
 }
 
-/// Of the steps of a plan, those that write other bytes than the reference, each given the reference's input.
+/// The steps of a plan that write other bytes than the reference, each given the reference's input.
 /// Memory holds garbage before, and lanes behind the last channel of the input too.
 template <class Network>
 std::size_t steps_that_differ(std::span<const float> all_folded, std::span<const std::uint8_t> counts) {

@@ -101,7 +101,7 @@ TEST_CASE("eight_bit: depthwise convolutions give the bits of the plain referenc
                 batch_norm, relu, conv2d<70, 1>, relu, conv2d<70, extent2d(3, 2), 1, pad(1), grouped<70>>,
                 max_pool<2>, relu, dense<5>>;
     CHECK(frames_that_differ<separable>(23, 20) == 0);
-    // Of the sensor's words, in a residual block, a branch and at the end.
+    // From the sensor's words, in a residual block, a branch and at the end.
     using placed =
         network<shape{8, 9, 3}, conv2d<3, 3, 1, padding::same, grouped<3>>, relu, conv2d<8, 1>,
                 residual<sequence<conv2d<8, 1>, relu, conv2d<8, 5, 1, padding::same, grouped<8>>>>, relu,

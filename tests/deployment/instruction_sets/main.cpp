@@ -8,7 +8,8 @@
 
 namespace {
 
-/// Of all outputs in 8 bits, in their order (FNV-1a): the same with every instruction set and compiler.
+/// The hash of all outputs in 8 bits, in their order (FNV-1a): the same with every instruction set and
+/// compiler.
 constexpr std::uint64_t expected_whole = 0xa07929be485e4469;
 
 std::uint64_t hash_of(const std::vector<std::uint32_t>& numbers) {

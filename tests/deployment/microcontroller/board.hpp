@@ -1,8 +1,8 @@
 #pragma once
 
-// What a Cortex-M without an operating system needs around a test: what happens at its start, a way to tell
+// What a Cortex-M without an operating system needs around a test: what happens at its start, a way to report
 // results to the debugger (semihosting), which an emulator is as well, and what a piece of work takes.
-// TEST_REPORT says that there is a debugger: without one a processor would stop, and what tells takes flash.
+// TEST_REPORT says that there is a debugger: without one a processor would stop, and reporting takes flash.
 
 #include <array>
 #include <cstddef>

@@ -1,5 +1,5 @@
 // The whole program of a Cortex-M without an operating system: it runs the self-test of an exported header,
-// counts what a frame takes, and tells both to the debugger. TEST_HEADER names the header, TEST_SAME_BITS
+// counts what a frame takes, and reports both to the debugger. TEST_HEADER names the header, TEST_SAME_BITS
 // says that the outputs must have the bits of the machine that wrote it, as those in 8 bits have.
 
 #include "board.hpp"

@@ -1,4 +1,4 @@
-// The networks of a page, in Node, beside the same networks in a native program: labels and, within the bound that the
+// The networks of a page, in Node, compared with the same networks in a native program: labels and, within the bound that the
 // native program derives, logits in single precision; logits in 8 bits to the bit.
 //
 //     node same_as_native_test.mjs PAGE NATIVE_PROGRAM FOLDER

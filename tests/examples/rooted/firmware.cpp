@@ -1,4 +1,4 @@
-// A header that the program has written, run as a target without files would: tells how many bits of the
+// A header that the program has written, run as a target without files would: prints how many bits of the
 // self-test's outputs are others than the program's.
 
 #include "roots.hpp"

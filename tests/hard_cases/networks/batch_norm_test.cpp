@@ -195,8 +195,8 @@ namespace {
 
 using folding = network<shape{4, 5, 2}, conv2d<4, 3>, batch_norm, dense<3>>;
 
-/// The network with each channel's running moments, deployed, beside the bound of the numbers that it has
-/// then.
+/// The network with each channel's running moments, deployed, compared with the bound of the numbers that it
+/// has then.
 void check_folded(const std::string& name, float mean, float variance, double epsilon, float bias) {
     folding net;
     support::fill(net, 3);

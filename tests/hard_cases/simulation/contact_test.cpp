@@ -321,7 +321,7 @@ TEST_CASE("contact: one tactel, and no force") {
 }
 
 // A wire of 0.2 mm between two rows of tactels of 2 mm: the heights are those of the middles of cells, of
-// which it covers none. Cells of 0.4 mm see it from the middle of a row to half a cell beside it.
+// which it covers none. Cells of 0.4 mm see it from the middle of a row to half a cell away from it.
 TEST_CASE("compute_heights: objects thinner than a tactel") {
     const object wire{.parts = {rod{{-0.005, 0}, {0.005, 0}, 1e-4, 1e-4}}};
     const auto found = [&]<shape Shape>(double of_cell, double beside) {

@@ -29,7 +29,7 @@ support::sample random_map(shape size, std::size_t stride, float rest, float* pi
     return map;
 }
 
-/// Several frames at once, each beside itself alone: the same bits. NaN lies between their inputs.
+/// Several frames at once give the same bits as each alone. NaN lies between their inputs.
 template <frame_dense D, std::size_t Frames>
 void check_several(const float* packed, std::uint64_t& state) {
     const float* const bias = packed + direct_dense_method<D>::packed_weights;

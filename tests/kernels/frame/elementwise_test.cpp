@@ -23,7 +23,7 @@ using some_sizes = sizes<1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 31, 32, 33, 48, 91,
 constexpr float scale = 0.37f, limit = 40;
 
 /// One more number than there are counts lies at both ends, so that no vector of them is aligned, and what is
-/// written beside them is seen.
+/// written outside them is seen.
 template <class Count, std::size_t Size>
 struct drawn_frame {
     std::array<Count, Size + 1> counts;

@@ -79,5 +79,5 @@ TEST_CASE("direct_integer_method: the largest bytes and weights neither overflow
     CHECK(both(std::integral_constant<frame_convolution, of({4, 4, 1}, 8, 5)>{}) == 0);
     CHECK(both(std::integral_constant<frame_convolution,
                                       of({10, 18, 128}, 4, extent2d(10, 18), 1, padding::valid)>{}) == 0);
-    CHECK(saturated < outputs / 4); // or the bytes would not tell the sums
+    CHECK(saturated < outputs / 4); // else the bytes would not show the sums
 }

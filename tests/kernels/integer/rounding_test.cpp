@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t lanes = kernels::max_integer_lanes;
 
-/// Of the bytes, and the one that stands for zero.
+/// The range of the bytes, and the one that stands for zero.
 struct limits {
     int lowest = 0, highest = 255, zero = 0;
 };
@@ -56,7 +56,7 @@ TEST_CASE("store_rounded: ties go to the even byte") {
         CHECK(rounded(2 * byte + 1, 0.5f) == even);
         CHECK(rounded(2 * byte, 0.5f) == byte);
     }
-    // The value is rounded, not the byte: beside an odd zero the ties of bytes are the odd ones.
+    // The value is rounded, not the byte: with an odd zero point, the ties of bytes are the odd ones.
     CHECK(rounded(-1, 0.5f, {0, 255, 7}) == 7);
     CHECK(rounded(1, 0.5f, {0, 255, 7}) == 7);
     CHECK(rounded(3, 0.5f, {0, 255, 7}) == 9);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Networks whose numbers are drawn from the names of their arrays, run stage by stage beside what torchvision
-// made of the same numbers (tests/golden/imagenet_networks.py).
+// Networks whose numbers are drawn from the names of their arrays, run stage by stage and compared with what
+// torchvision made of the same numbers (tests/golden/imagenet_networks.py).
 
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/networks/network.hpp>

@@ -1,4 +1,4 @@
-// Of each room what has drawn warnings from GCC, inlined into a user's own functions.
+// What has drawn warnings from GCC in each room, inlined into a user's own functions.
 
 #include <tactnet/io.hpp>
 #include <tactnet/simulation.hpp>

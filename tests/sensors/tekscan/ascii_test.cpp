@@ -268,7 +268,7 @@ TEST_CASE("tekscan_ascii: frame lines: numbers, times, sums") {
     CHECK(frames("Frame 1, -", "Frame 2, -x") == tenth);
     CHECK(frames("Frame 1, 10:26:16.001 a.m.", "Frame 2, 10:26:16.011 a.m.") == tenth);
     CHECK(frames("Frame 1, 0,,2019-12-02 6:21", "Frame 2, 0.01,,2019-12-02 6:21") == tenth);
-    // Without a unit SECONDS_PER_FRAME tells milliseconds from seconds.
+    // Without a unit, SECONDS_PER_FRAME distinguishes milliseconds from seconds.
     CHECK(frames("Frame 1, 0", "Frame 2, 10") == tenth);
     CHECK(frames("Frame 1, 0", "Frame 2, 10.4")[1] == doctest::Approx(0.0104));
     CHECK(frames("Frame 1, 0", "Frame 2, 0.02")[1] == 0.02);
@@ -514,7 +514,7 @@ TEST_CASE("tekscan_ascii: split anywhere, the same comes out") {
 
 TEST_CASE("tekscan_ascii: cut short anywhere, whole frames come out and no others") {
     CHECK(sensors_test::only_whole_frames_when_cut(tekscan_ascii(), bytes_of(recording)));
-    // Without sums, cells that are cut are told by the missing line end.
+    // Without sums, cells that are cut are recognised by the missing line end.
     const std::string bare = "ROWS 1\nCOLS 2\nSTART_FRAME 1\nEND_FRAME 2\nUNITS KPa\nASCII_DATA "
                              "@@\nFrame 1\n1,222\nFrame 2\n3.125,4.75\n";
     CHECK(decode(bare).status == decode_status::finished);

@@ -124,7 +124,7 @@ TEST_CASE("tekscan_binary_checks: times that cannot be") {
     CHECK(of_records({at(1, 0), at(2, 4999)}) ==
           strings{"expected a time about 0.01 s after the frame before, found 0.004999 s"});
     CHECK(of_records({at(1, 0), at(2, 15'001)}).size() == 1);
-    // Backwards, and far away: told of the frame itself and of the one behind it.
+    // Backwards, and far away: reported for the frame itself and for the one after it.
     CHECK(of_records({at(1, 20'000), at(2, 10'000)}) ==
           strings{"expected a time about 0.01 s after the frame before, found -0.01 s"});
     CHECK(of_records({at(1, 0), at(2, std::uint64_t{1} << 60), at(3, 20'000), at(4, 30'000)}).size() == 2);
@@ -189,7 +189,7 @@ TEST_CASE("tekscan_binary_checks: a frame is certain once what follows it fits")
     CHECK(refused.certain_frames == 1);
     CHECK(decode({}, header, "\x07\x00\x00"s).certain_frames == 0);
     CHECK(decode({usual(0), usual(1)}, header).certain_frames == 1); // one is missing in front of FF FE
-    // Bytes that went missing between the middles of two frames leave one that is both. Its number tells.
+    // Bytes that went missing between the middles of two frames leave one that is both. Its number shows it.
     const auto merged = decode({usual(0), usual(1), usual(4), usual(5)}, written_header(6));
     CHECK(merged.status == decode_status::damaged);
     CHECK(merged.frames.size() == 4);

@@ -47,7 +47,7 @@ struct written_records {
 
 inline constexpr std::uint64_t first_time_of_day = 0x1d5f932df573a1a;
 
-/// Of the frame at position `index`, from 0; every fourth is 10 microseconds late.
+/// The records of the frame at position `index`, from 0; every fourth is 10 microseconds late.
 inline written_records usual_records(std::uint64_t index) {
     const std::uint64_t time = 10'000 * index + 10 * (index / 4);
     return {index + 1, time, first_time_of_day + 10 * time};

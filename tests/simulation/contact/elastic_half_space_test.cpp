@@ -116,7 +116,7 @@ TEST_CASE("elastic_half_space: a long cylinder: in the middle the line contact o
     }
     CHECK(load == doctest::Approx(line_load).epsilon(0.2));
     const double scale = std::sqrt(load / line_load); // half width and peak go with the root of the load
-    // Of a half ellipse the mean square is b² / 4.
+    // The mean square of a half ellipse is b² / 4.
     CHECK(2 * std::sqrt(moment / load) == doctest::Approx(half_width * scale).epsilon(0.02).scale(0));
     for (std::size_t column = 0; column < size.columns; ++column) {
         const double x = (static_cast<double>(column) - 23.5) * cell / (half_width * scale);

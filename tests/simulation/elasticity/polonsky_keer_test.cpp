@@ -49,7 +49,7 @@ void check_nothing(const support::pressed<size>& found, bool converged) {
 }
 
 /// Sinking of each cell, from the influence coefficients added up one by one; and what it would be if none of
-/// them raised the surface, which tells how much rounding may do.
+/// them raised the surface, which shows how much rounding may do.
 struct sunk_cell {
     double sinking = 0, magnitude = 0;
 };

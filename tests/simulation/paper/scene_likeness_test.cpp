@@ -1,5 +1,5 @@
-// Simulated images beside the real ones, class by class: how much of the array shows anything, and how much.
-// Needs the paper's images.
+// Simulated images compared with the real ones, class by class: how much of the array shows anything, and how
+// much. Needs the paper's images.
 
 #include <tactnet/io/images/folder.hpp>
 #include <tactnet/simulation/paper/objects.hpp>

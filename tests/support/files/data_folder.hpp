@@ -1,6 +1,6 @@
 #pragma once
 
-// Recordings that do not belong to the project: the folder that TACTNET_DATA names, or the usual one beside
+// Recordings that do not belong to the project: the folder that TACTNET_DATA names, or the usual one next to
 // the sources.
 
 #include <doctest/doctest.h>

@@ -369,7 +369,7 @@ void check_gradients(subject_in<double>& subject, const reference_layer& referen
     }
     CAPTURE(worst);
     CHECK(wrong == 0);
-    // Unless most probes tell right from wrong, the check is worth nothing.
+    // Unless most probes distinguish right from wrong, the check is worth nothing.
     CHECK(3 * sharp >= 2 * probes);
 }
 

@@ -68,7 +68,7 @@ struct network_parameters {
 [[nodiscard]] sample bounded_input(std::span<const float> counts, std::span<const float> mean, float scale);
 [[nodiscard]] sample bounded_outputs(const described_network& network, const network_parameters& parameters,
                                      const sample& in);
-/// A network as one writes it first: what hard cases are shown beside.
+/// A network as one writes it first: what hard cases are compared with.
 [[nodiscard]] std::vector<float> plain_outputs(const described_network& network,
                                                const network_parameters& parameters, std::vector<float> in);
 
@@ -81,7 +81,7 @@ struct network_parameters {
 [[nodiscard]] sample bounded_max_pool(const reference_window& window, const sample& in);
 [[nodiscard]] sample bounded_relu(sample in);
 
-/// Of a map found, with pixels `stride` elements apart: the outputs that are further from the exact ones than
+/// The outputs of a map, with pixels `stride` elements apart, that are further from the exact ones than
 /// the bound or than twice their deviation, and what is not zero after the last channel.
 [[nodiscard]] std::size_t outputs_outside(const sample& expected, std::size_t area, const float* found,
                                           std::size_t stride);

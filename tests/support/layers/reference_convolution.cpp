@@ -229,7 +229,7 @@ reference_window convolution::group_window() const {
     one.input.channels = channels_;
     return one;
 }
-/// Of the input's gradient.
+/// The window of the input's gradient.
 reference_window convolution::turned_window() const {
     reference_window turned = group_window();
     turned.input = {filters_, output.rows, output.columns};

@@ -112,7 +112,7 @@ public:
                                   const sample& biases, const sample& in, const sample* added) const;
 
 private:
-    /// Of each output the sum of its products, its deviation squared; and the sum of all magnitudes, with
+    /// For each output the sum of its products, its deviation squared; and the sum of all magnitudes, with
     /// what their inputs are wrong by, and without.
     struct sums {
         sample products;

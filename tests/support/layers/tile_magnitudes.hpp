@@ -136,8 +136,8 @@ private:
 };
 
 /// By how much the deviation of a tile's errors exceeds that of the same sums by taps, where numbers are
-/// independent and alike: of the output that fares worst, the squares of all factors on its way beside those
-/// of the taps, and the roundings that a term passes (deployed_reference.hpp).
+/// independent and alike: of the output that fares worst, the squares of all factors on its way compared with
+/// those of the taps, and the roundings that a term passes (deployed_reference.hpp).
 [[nodiscard]] inline double tile_deviation(std::size_t channels, std::size_t kernel, tile_size outputs) {
     const auto gain = [&](std::size_t count) {
         const tile_line line(count, kernel);

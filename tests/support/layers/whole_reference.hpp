@@ -60,7 +60,7 @@ struct reference_range {
     }
 };
 
-/// sum × factor in single precision, to the nearest whole number, ties to the even one, beside the zero,
+/// sum × factor in single precision, to the nearest whole number, ties to the even one, plus the zero,
 /// within the range.
 inline std::int64_t reference_byte(std::int64_t sum, float factor, std::int64_t zero, bool relu) {
     const float product = static_cast<float>(sum) * factor;

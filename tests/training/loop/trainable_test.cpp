@@ -45,7 +45,7 @@ TEST_CASE("evaluate: images that are their own reflections look the same every w
                      averaged = evaluate(network, mean, 0.1F, images, all, threads,
                                          test_time_augmentation::reflections);
     CHECK(once.confusion.total() == 70);
-    // Of an image that is the mean only the two biases are left, which differ by 0.01.
+    // An image that is the mean leaves only the two biases, which differ by 0.01.
     const std::vector<std::uint8_t> grey(net::input_shape.size(), 100);
     const evaluation of_mean =
         evaluate(network, mean, 0.1F, labelled_images{grey, {labels.data(), 1}, 2}, {all.data(), 1}, threads);

@@ -19,7 +19,7 @@ namespace {
 constexpr shape size{1, 4001};
 
 /// Every count against rounding in double precision. Nearer to the middle between two counts than float can
-/// tell, either is right.
+/// resolve, either is right.
 template <std::size_t Levels>
 void check_levels() {
     support::frame<size> pressures;

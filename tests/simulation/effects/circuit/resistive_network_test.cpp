@@ -86,7 +86,8 @@ void check_against_nodes(const support::frame<Shape>& pressures, double groundin
 
 } // namespace
 
-// Readings are floats: half a unit in the last place, and as much for what is small beside the largest.
+// Readings are floats: half a unit in the last place, and as much for what is small compared with the
+// largest.
 TEST_CASE("resistive_network: a nodal solution of each reading by itself") {
     for (std::uint32_t sample = 0; sample < 3; ++sample)
         for (const double grounding : {1e-1, 1e2, 1e4, 1e7}) {
