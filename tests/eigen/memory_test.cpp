@@ -51,7 +51,7 @@ static_assert(!row_major_matrix<float, 5, 1>::IsRowMajor && row_major_matrix<flo
 
 } // namespace
 
-TEST_CASE("memory: gaps that only the strides of a matrix tell are seen when called") {
+TEST_CASE("memory: gaps that only the strides of a matrix show are found when called") {
     row_major whole;
     CHECK(detail::lies_row_by_row(whole));
     dynamic_rows dynamic(4, 6);

@@ -266,10 +266,10 @@ TEST_SUITE("stream") {
               std::string::npos);
         std::string damaged = own;
         damaged[2000] ^= 1;
-        const auto told = run(" own", damaged);
-        CHECK(told.status == 2);
-        CHECK(labels_of(told.out).size() == 2);
-        CHECK(told.error.find("byte 1404, frame 2: expected a sum of zero, found 1") != std::string::npos);
+        const auto damage = run(" own", damaged);
+        CHECK(damage.status == 2);
+        CHECK(labels_of(damage.out).size() == 2);
+        CHECK(damage.error.find("byte 1404, frame 2: expected a sum of zero, found 1") != std::string::npos);
         // A packet is not lost without a word because its first bytes are damaged: in the middle or the last.
         for (const std::size_t packet : {1u, 2u})
             for (const std::size_t byte : {0u, 1u}) {

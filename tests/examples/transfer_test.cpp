@@ -89,7 +89,7 @@ TEST_CASE("transfer: from images and weights to a table of accuracies") {
     CHECK(result.error.find("24 of 24 images") != std::string::npos);
 }
 
-TEST_CASE("transfer: what cannot be used is told") {
+TEST_CASE("transfer: what cannot be used is reported") {
     const support::temporary_folder folder;
     write_images(folder / "images");
     write_weights(folder / "weights", false);

@@ -164,7 +164,7 @@ finding any_words(scene& s) {
         return s.silent("exit status " + std::to_string(end.status) + " without a word");
     for (const std::string* text : {&end.out, &end.error})
         if (text->find('\x1b') != std::string::npos)
-            return s.silent("a terminal is told what to do");
+            return s.silent("a terminal gets control characters");
     return s.handled();
 }
 

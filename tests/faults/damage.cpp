@@ -102,7 +102,7 @@ std::string damaged_by_bit(scene& s, std::string bytes) {
 }
 
 finding read_damaged(scene& s, const reading& r, const std::string& damage,
-                     const std::function<std::string(const std::string&)>& damaged, bool must_tell) {
+                     const std::function<std::string(const std::string&)>& damaged, bool must_report) {
     const std::string& right = undamaged(s, r);
     s.bring(r.folder != nullptr ? r.folder : r.file);
     write_bytes(s.folder / r.file, damaged(bytes_of(s.folder / r.file)));
@@ -114,10 +114,10 @@ finding read_damaged(scene& s, const reading& r, const std::string& damage,
     const std::string what = std::string(r.file) + ", " + damage;
     if (end.status != 0)
         return end.error.empty() ? s.silent(what + ": no message") : s.handled();
-    const bool told = end.error.find("warning") != std::string::npos;
-    if (!told && r.outcome(end, s.folder) != right)
+    const bool reported = end.error.find("warning") != std::string::npos;
+    if (!reported && r.outcome(end, s.folder) != right)
         return s.silent(what + ": another result without a word");
-    if (!told && must_tell)
+    if (!reported && must_report)
         return s.silent(what + ": not noticed, though without effect here");
     return s.handled();
 }
@@ -147,13 +147,13 @@ std::string without_times(std::string text) {
     return text;
 }
 
-finding decode_damaged(scene& s, const std::string& name, const std::string& bytes, bool must_tell) {
+finding decode_damaged(scene& s, const std::string& name, const std::string& bytes, bool must_report) {
     const ending end = decode(s, name, bytes);
     if (!end.orderly())
         return s.aborted(end);
     if (end.status != 0)
         return end.error.empty() ? s.silent(name + ": no message") : s.handled();
-    if (must_tell && end.error.empty() &&
+    if (must_report && end.error.empty() &&
         without_times(end.out) != without_times(decode(s, name, bytes_of(s.made / name)).out))
         return s.silent(name + ": other frames without a word");
     return s.handled();

@@ -57,7 +57,8 @@ finding replace_measure(scene& s) {
     const std::string what = of.key + ("'" + value + "'") + " in " + of.file;
     if (end.error.empty())
         return s.silent(what + ": no message");
-    return has_control_characters(end) ? s.silent(what + ": a terminal is told what to do") : s.handled();
+    return has_control_characters(end) ? s.silent(what + ": a terminal gets control characters")
+                                       : s.handled();
 }
 
 /// A line of results with another checksum than its own, or none.

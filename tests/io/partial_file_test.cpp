@@ -76,7 +76,7 @@ TEST_SUITE("io") {
         close(made[1]);
     }
 
-    TEST_CASE("remove_abandoned_files: beside writers at work no file is lost") {
+    TEST_CASE("remove_abandoned_files: no file of a concurrent writer is lost") {
         const support::temporary_folder folder;
         std::atomic<bool> done = false;
         std::thread tidies([&] {

@@ -105,7 +105,7 @@ TEST_CASE("svm_file: a machine that is loaded gives the bits of the one saved") 
     }
 }
 
-TEST_CASE("svm_file: a machine beside other arrays; standardisation by nothing is refused") {
+TEST_CASE("svm_file: a machine among other arrays; standardisation by nothing is refused") {
     linear_machine_parameters parts;
     parts.features = 2;
     parts.labels = {0, 1};

@@ -111,7 +111,7 @@ static_assert(pooled_size<6, ceil_mode(pad(1)), 5> == 2 && pooled_size<4, ceil_m
 TEST_CASE("max_pool: ceil mode completes the last window") {
     check_layer<max_pool<3, 2, ceil_mode()>, shape{6, 7, 2}>();
 }
-TEST_CASE("max_pool: ceil mode beside padding that was given, windows apart") {
+TEST_CASE("max_pool: ceil mode with explicit padding, windows apart") {
     check_layer<max_pool<3, 5, ceil_mode(pad(1))>, shape{6, 4, 1}>();
 }
 TEST_CASE("max_pool: of each whole channel") {

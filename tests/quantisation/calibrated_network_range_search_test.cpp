@@ -94,7 +94,7 @@ TEST_CASE("range_search: each map gets the fraction with which outputs come near
     CHECK(found.error == 1);
 }
 
-TEST_CASE("range_search: a second sweep searches each range beside those that were found") {
+TEST_CASE("range_search: a second sweep searches each range given those that were found") {
     // The first map had better be narrow once the second is, and not before.
     const found_ranges found =
         searched([](std::span<const float> folded, std::span<const float> shown, std::span<float> to) {

@@ -163,16 +163,16 @@ TEST_CASE("node_executor: the sums of a pixel lie at place_of, and each tap is v
             run.sums_at(drawn.maps.data(), y, x, sums);
             for (std::size_t f = 0; f < 6; ++f)
                 CHECK(static_cast<double>(sums[run.place_of(f)]) == *drawn.sum_at(f, y, x, false));
-            std::vector<int> told(2 * step.taps());
+            std::vector<int> visits(2 * step.taps());
             run.for_each_tap(y, x, [&](std::size_t group, std::size_t tap, std::size_t place) {
-                ++told[group * step.taps() + tap];
+                ++visits[group * step.taps() + tap];
                 CHECK(place % 4 / 2 == group);
                 CHECK(place < drawn.net.maps[0].size.size());
             });
             const std::size_t rows = y == 0 || y == 5 ? 2 : 3, columns = x == 0 || x == 6 ? 2 : 3;
-            CHECK(std::ranges::count(told, 1) == static_cast<std::ptrdiff_t>(4 * rows * columns));
-            CHECK(std::ranges::count(told, 0) ==
-                  static_cast<std::ptrdiff_t>(told.size() - 4 * rows * columns));
+            CHECK(std::ranges::count(visits, 1) == static_cast<std::ptrdiff_t>(4 * rows * columns));
+            CHECK(std::ranges::count(visits, 0) ==
+                  static_cast<std::ptrdiff_t>(visits.size() - 4 * rows * columns));
         }
 }
 

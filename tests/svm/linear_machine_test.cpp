@@ -86,7 +86,7 @@ TEST_CASE("linear_machine: at the optimum the duality gap closes and the dual's 
         }
 }
 
-TEST_CASE("linear_machine: both losses tell clouds apart, with and without offset and standardisation") {
+TEST_CASE("linear_machine: both losses separate clouds, with and without offset and standardisation") {
     const support::samples s = support::blobs(300, 30, 5, 0.4), fresh = support::blobs(500, 30, 5, 0.4);
     for (const linear_loss loss : {linear_loss::hinge, linear_loss::squared_hinge})
         for (const bool standardise : {false, true})

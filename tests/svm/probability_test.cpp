@@ -36,7 +36,7 @@ TEST_CASE("probability: a sigmoid is found again from draws that it made") {
     CHECK(std::abs(g2) < 1e-4);
 }
 
-TEST_CASE("probability: values that tell nothing, or all, give finite sigmoids; no exponential overflows") {
+TEST_CASE("probability: useless values, and perfect ones, give finite sigmoids; no exponential overflows") {
     const std::vector<double> sides{1, 1, -1, -1};
     const platt_sigmoid nothing = fit_platt_sigmoid(std::vector<double>{0, 0, 0, 0}, sides);
     CHECK(nothing.probability(0) == doctest::Approx(0.5).epsilon(1e-3));

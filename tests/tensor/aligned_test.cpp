@@ -41,7 +41,8 @@ TEST_CASE("aligned: what no size holds is refused") {
 }
 
 #if defined(__linux__)
-TEST_CASE("aligned: pages beside a block are left alone where none is whole, and a refusal changes nothing") {
+TEST_CASE(
+    "aligned: pages next to a block are left alone where none is whole, and a refusal changes nothing") {
     aligned_allocator<float> memory;
     float* const block = memory.allocate(16);
     block[0] = 3;

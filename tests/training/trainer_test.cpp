@@ -51,7 +51,7 @@ void run(training& t, std::size_t epochs) {
 
 } // namespace
 
-TEST_CASE("trainer: learns to tell three patterns apart") {
+TEST_CASE("trainer: learns to distinguish three patterns") {
     const support::toy_task task(60);
     thread_pool threads(2);
     recipe r = quick();

@@ -43,7 +43,7 @@ const bytes_net& fast() {
 
 } // namespace
 
-TEST_CASE("eight_bit: counts between whole ones, and beside those of 8 bits, give the reference's bits") {
+TEST_CASE("eight_bit: fractional counts, and those beyond 8 bits, give the reference's bits") {
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
         support::numbers draw(seed);
         std::vector<float> frame(pixels);

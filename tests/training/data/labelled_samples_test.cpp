@@ -62,7 +62,7 @@ TEST_CASE("labelled_samples: images as their counts, features as they are") {
 }
 
 TEST_CASE("labelled_samples: what does not fit a network is an error with the numbers") {
-    const auto told = [](const labelled_samples& samples, std::size_t outputs) {
+    const auto problem_of = [](const labelled_samples& samples, std::size_t outputs) {
         try {
             samples.check(size, outputs);
         } catch (const std::invalid_argument& error) {
@@ -70,25 +70,27 @@ TEST_CASE("labelled_samples: what does not fit a network is an error with the nu
         }
         return std::string();
     };
-    CHECK(told(labelled_images{pixels, labels, 2}, 2).empty());
-    CHECK(told(labelled_images{{}, {}, 1}, 1).empty());
-    CHECK(told(labelled_features{values, labels, 2}, 3).empty());
-    CHECK(told(labelled_features{values, labels, 2}, 1) == "features: expected 1 to 1 classes, found 2");
-    CHECK(told(labelled_images{pixels, labels, 0}, 3) == "images: expected 1 to 3 classes, found 0");
-    CHECK(told(labelled_features{values, labels, 1}, 3) == "features: expected labels below 1, found 1");
+    CHECK(problem_of(labelled_images{pixels, labels, 2}, 2).empty());
+    CHECK(problem_of(labelled_images{{}, {}, 1}, 1).empty());
+    CHECK(problem_of(labelled_features{values, labels, 2}, 3).empty());
+    CHECK(problem_of(labelled_features{values, labels, 2}, 1) ==
+          "features: expected 1 to 1 classes, found 2");
+    CHECK(problem_of(labelled_images{pixels, labels, 0}, 3) == "images: expected 1 to 3 classes, found 0");
+    CHECK(problem_of(labelled_features{values, labels, 1}, 3) ==
+          "features: expected labels below 1, found 1");
     std::vector<std::size_t> with_outlier(labels.begin(), labels.end());
     with_outlier.front() = no_class;
     const labelled_features outliers{values, with_outlier, 2};
-    CHECK(told(outliers, 2).empty());
+    CHECK(problem_of(outliers, 2).empty());
     const std::vector<std::size_t> known{1}, all{1, 0};
     CHECK_NOTHROW(labelled_samples(outliers).check_classes(known));
     CHECK_THROWS_WITH_AS(labelled_samples(outliers).check_classes(all),
                          "features: expected samples of a class for validation and test, found an outlier, "
                          "sample 0",
                          std::invalid_argument);
-    CHECK(told(labelled_features{std::span(values).first(5), labels, 2}, 2) ==
+    CHECK(problem_of(labelled_features{std::span(values).first(5), labels, 2}, 2) ==
           "features: expected 6 numbers, found 5");
-    CHECK(told(labelled_images{std::span(pixels).first(5), labels, 2}, 2) ==
+    CHECK(problem_of(labelled_images{std::span(pixels).first(5), labels, 2}, 2) ==
           "images: expected 6 pixels, found 5");
 }
 
@@ -210,7 +212,7 @@ TEST_CASE("images_as_taken: a recipe may vary the small ones, as the paper's doe
 TEST_CASE("images_as_taken: images of another number or for another size are refused") {
     const varied v;
     labelled_images images = v.images;
-    const auto told = [&] {
+    const auto problem_of = [&] {
         try {
             labelled_samples(images).check(small, 3);
         } catch (const std::invalid_argument& error) {
@@ -218,11 +220,11 @@ TEST_CASE("images_as_taken: images of another number or for another size are ref
         }
         return std::string();
     };
-    CHECK(told().empty());
+    CHECK(problem_of().empty());
     images.taken.pixels = images.taken.pixels.first(100);
-    CHECK(told() == "images: expected 1092 pixels of images as taken, found 100");
+    CHECK(problem_of() == "images: expected 1092 pixels of images as taken, found 100");
     images.taken = images_as_taken::of<taken, shape{5, 7}>(v.task.pixels);
-    CHECK(told() == "images: expected images as taken that are reduced to 4 x 7 x 1, found 5 x 7 x 1");
+    CHECK(problem_of() == "images: expected images as taken that are reduced to 4 x 7 x 1, found 5 x 7 x 1");
 }
 
 TEST_CASE("images_as_taken: nothing is written past the small image") {

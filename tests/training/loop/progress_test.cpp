@@ -78,7 +78,7 @@ TEST_CASE("training_progress: numbers that no training has are refused, each at 
 namespace {
 
 template <class Check>
-std::string told(const Check& check) {
+std::string problem_of(const Check& check) {
     try {
         check(epoch_report{.epoch = 4, .rate = 0.5});
     } catch (const training_diverged& error) {
@@ -91,28 +91,29 @@ std::string told(const Check& check) {
 
 TEST_CASE("divergence: a loss or a parameter that is not finite, with epoch and rate") {
     constexpr double infinite = std::numeric_limits<double>::infinity();
-    CHECK(told([](const epoch_report& r) { detail::check_loss(1e300, r, "step 1"); }).empty());
-    CHECK(told([](const epoch_report& r) { detail::check_loss(infinite, r, "step 1"); }) ==
+    CHECK(problem_of([](const epoch_report& r) { detail::check_loss(1e300, r, "step 1"); }).empty());
+    CHECK(problem_of([](const epoch_report& r) { detail::check_loss(infinite, r, "step 1"); }) ==
           "training diverged in epoch 4, step 1: expected a finite loss, found inf; lower the learning rate "
           "(now 0.500000)");
     std::array values{1.0f, -3e38f};
     const auto check = [&](const epoch_report& r) { detail::check_parameters(values, r); };
-    CHECK(told(check).empty());
+    CHECK(problem_of(check).empty());
     values[1] = -std::numeric_limits<float>::infinity();
-    CHECK(told(check) == "training diverged in epoch 4, last step: expected finite parameters, found -inf; "
-                         "lower the learning rate (now 0.500000)");
+    CHECK(problem_of(check) ==
+          "training diverged in epoch 4, last step: expected finite parameters, found -inf; "
+          "lower the learning rate (now 0.500000)");
 }
 
 TEST_CASE("divergence: a second moment that is infinite, or no number") {
     std::array values{1.0f, 3e38f};
     const auto check = [&](const epoch_report& r) { detail::check_squares(values, r); };
-    CHECK(told(check).empty());
+    CHECK(problem_of(check).empty());
     values[1] = std::numeric_limits<float>::infinity();
-    CHECK(told(check) ==
+    CHECK(problem_of(check) ==
           "training diverged in epoch 4, its steps: expected gradients whose squares are finite, found "
           "inf; lower the learning rate (now 0.500000)");
     values[1] = std::numeric_limits<float>::quiet_NaN();
-    CHECK(told(check).starts_with("training diverged in epoch 4, its steps: "));
+    CHECK(problem_of(check).starts_with("training diverged in epoch 4, its steps: "));
 }
 
 TEST_CASE("early_stopping: after `patience` checks without a smaller loss") {
