@@ -45,7 +45,7 @@ using deployed_net = deployed<net>;
 constexpr std::size_t features = deployed_net::features;
 using projection = discriminant<features, dimensions>;
 
-/// What a network makes of an image, or of an image and its reflections.
+/// The outputs of a network for an image, or for an image and its reflections.
 struct response {
     std::array<float, known_objects> logits{};
     std::array<float, features> values{};

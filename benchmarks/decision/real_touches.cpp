@@ -1,7 +1,7 @@
-// What tactnet/decision.hpp makes of the paper's images: accuracy with faults of the sensor, with and without
-// sensor_health; how well probabilities are calibrated; how many touches a decision takes. TactNet-6 at 28 ×
-// 50 is trained for each blocked split with the default recipe, seeds 0, 1, …; temperatures are fitted on the
-// validation images; everything is reported for the test images. About five seconds per split.
+// The results of tactnet/decision.hpp on the paper's images: accuracy with faults of the sensor, with and
+// without sensor_health; how well probabilities are calibrated; how many touches a decision takes. TactNet-6
+// at 28 × 50 is trained for each blocked split with the default recipe, seeds 0, 1, …; temperatures are
+// fitted on the validation images; everything is reported for the test images. About five seconds per split.
 //
 //     benchmark_decision FOLDER_OF_IMAGES [SPLITS]        20 splits by default
 

@@ -111,7 +111,7 @@ auto made_once(Make make) {
     };
 }
 
-/// A network, frames, and what it makes of them in double precision.
+/// A network, frames, and its outputs for them in double precision.
 template <class Network, class Count>
 struct task {
     Network network = trained_network<Network>();

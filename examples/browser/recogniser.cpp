@@ -1,4 +1,4 @@
-// A network as a header in a web page, to copy: everything that a page of one's own needs. recogniser.hpp was
+// A network as a header in a web page, to copy: everything that your own page needs. recogniser.hpp was
 // written by `tactnet export`, or as in examples/embedded/write_header.cpp. docs/browser.md has the command
 // that compiles this file. The page then says:
 //

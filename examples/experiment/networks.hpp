@@ -1,6 +1,6 @@
 #pragma once
 
-// A compile-time experiment: networks of one's own at sizes of one's own, which tactnet_experiment trains,
+// A compile-time experiment: your own networks at your own sizes, which tactnet_experiment trains,
 // times and compares as `tactnet` does the paper's. Copy this folder, and change networks and sizes; each is
 // compiled by itself.
 //

@@ -1,6 +1,6 @@
 #pragma once
 
-// An effect of one's own: a piezoelectric film gives charge only while the pressure changes, and the charge
+// An effect of your own: a piezoelectric film gives charge only while the pressure changes, and the charge
 // leaks away. Copy it, and change the parameters, the stage and `apply`.
 
 #include <tactnet/simulation/effect.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-// A recording format of one's own, as text: a line `grid ROWS COLUMNS`, then frame after frame, each of ROWS
+// A recording format of your own, as text: a line `grid ROWS COLUMNS`, then frame after frame, each of ROWS
 // lines of COLUMNS numbers with blanks between. Copy it, and change what a line of your format is.
 
 #include <tactnet/sensors/decoder.hpp>

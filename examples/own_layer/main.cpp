@@ -1,4 +1,4 @@
-// Trains a network that holds a layer of one's own, saves it, loads it again, deploys it and writes it as a
+// Trains a network that holds a layer of your own, saves it, loads it again, deploys it and writes it as a
 // header:
 //
 //   tactnet_own_layer WEIGHTS.safetensors HEADER.hpp

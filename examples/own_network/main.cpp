@@ -1,4 +1,4 @@
-// tactnet_own_network: a network of one's own, trained on simulated images and deployed. Copy it, and change
+// tactnet_own_network: a network of your own, trained on simulated images and deployed. Copy it, and change
 // `own_network`. Exit status: 0 if the deployed network recognises most images that it has not seen, else 1.
 
 #include <tactnet/simulation.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-// An object of one's own: a table fork, its tines down. Copy it, and change the parts. Lengths are metres
+// An object of your own: a table fork, its tines down. Copy it, and change the parts. Lengths are metres
 // (here millimetres times `mm`), x runs along the columns of the array, y along its rows.
 
 #include <tactnet/simulation/objects/drawing.hpp>

@@ -80,7 +80,7 @@ private:
         if (given_.as != arguments::output::picture)
             print(given_.as == arguments::output::json ? json_line_of(found, classes_)
                                                        : line_of(found, classes_));
-        else if (drawn_ == 0 || since_drawn_.seconds() >= 1.0 / 30) { // more pictures nobody sees
+        else if (drawn_ == 0 || since_drawn_.seconds() >= 1.0 / 30) { // more pictures cannot be seen
             print((drawn_++ == 0 ? "\x1b[2J" : "") + picture_of(found, classes_));
             since_drawn_ = {};
         }

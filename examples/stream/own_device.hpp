@@ -1,6 +1,6 @@
 #pragma once
 
-// A device of one's own: this one sends 'T', 'N', a number that counts up to 255 and starts again, the cells,
+// A device of your own: this one sends 'T', 'N', a number that counts up to 255 and starts again, the cells,
 // and a byte that makes the exclusive or of all bytes behind 'N' zero. Copy it, and change what your device
 // does otherwise.
 

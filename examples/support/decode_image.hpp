@@ -2,7 +2,7 @@
 
 // Turns JPEG and PNG files into the grey values that the networks are trained on, and grey values into PNG
 // files. Strict on purpose: a pressure image has 8 bits a tactel, and a value that a decoder has guessed (a
-// damaged file), rescaled (16 bits) or mixed (colours) is a wrong pressure that nobody would notice.
+// damaged file), rescaled (16 bits) or mixed (colours) is a wrong pressure that would go unnoticed.
 
 #include <tactnet/io/images/set.hpp>
 

@@ -1,5 +1,5 @@
 // A stream of a sensor that drifts, with noise, creep and long contacts; simulated, since no such recording
-// is at hand.
+// is available.
 
 #include <tactnet/decision/contact_detector.hpp>
 #include <tactnet/decision/sensor_health.hpp>

@@ -288,7 +288,7 @@ TEST_CASE("deployed: nothing is asked of the system, as real time demands") {
     REQUIRE(WIFSIGNALED(asks));
     const int allocates = without_system_calls([] {
         const std::vector<char> large(std::size_t{1} << 26, 'x');
-        const char* volatile seen = large.data(); // a compiler may leave memory out that nobody sees
+        const char* volatile seen = large.data(); // a compiler may leave out memory that is never read
         return seen[1234567] == 'x';
     });
     REQUIRE(WIFSIGNALED(allocates));

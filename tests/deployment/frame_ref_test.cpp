@@ -98,7 +98,7 @@ TEST_CASE("frames_ref: frames lie one after the other, whatever holds them") {
     check(tensors, true);
     const std::vector<std::size_t> labels{0, 1};
     check(labelled_images{counts, labels, 2}, true);
-    // One that is cut short is noticed by whoever takes them.
+    // The functions that take them notice one that is cut short.
     CHECK(frames_ref<size>(std::vector<float>(13)).size() == 2);
     CHECK(frames_ref<size>(std::vector<float>(13)).elements() == 13);
 }

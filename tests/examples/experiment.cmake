@@ -1,4 +1,4 @@
-# The example of networks and sizes of one's own, as its header says, and the page that comes of it in a browser.
+# The example of your own networks and sizes, as its header says, and its page in a browser.
 #   cmake -Dprogram=FILE -Dfolder=FOLDER [-Dbrowser=FILE] [-Dbuild=FOLDER] -P experiment.cmake
 cmake_minimum_required(VERSION 3.22)
 file(REMOVE_RECURSE "${folder}")
@@ -44,7 +44,7 @@ if(NOT browser OR NOT page MATCHES "<svg")
     message(STATUS "The page is not looked at: there is no Chromium, or no gnuplot.")
     return()
 endif()
-# What the page's script makes of it: the point under the pointer is described.
+# What the page's script shows: the point under the pointer is described.
 string(REPLACE "</body>" "<script>
 document.querySelector('[onmousemove]').dispatchEvent(new MouseEvent('mousemove', {clientX: 9, clientY: 9}));
 document.title = hint.style.display + ': ' + hint.textContent;

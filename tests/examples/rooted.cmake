@@ -1,4 +1,4 @@
-# A network of one's own with roots and a softmax, through the program in 8 bits: trained, reported in both formats, and
+# A network of your own with roots and a softmax, through the program in 8 bits: trained, reported in both formats, and
 # exported as a header that gives the same bits.
 #   cmake -Dprogram=FILE -Dfolder=FOLDER -Dcompiler=FILE "-Doptions=a|b" "-Dincludes=a|b" -Dsource=FILE -P rooted.cmake
 cmake_minimum_required(VERSION 3.22)

@@ -129,7 +129,7 @@ ending decode(scene& s, const std::string& name, const std::string& bytes) {
             command.emplace_back("own");
         conditions under;
         under.input = bytes;
-        write_bytes(s.folder / name, bytes); // for whoever repeats it
+        write_bytes(s.folder / name, bytes); // to repeat it
         return s.run(command, under);
     }
     write_bytes(s.folder / name, bytes);
@@ -168,7 +168,7 @@ std::string cells_of(const std::string& csv) {
     return cells;
 }
 
-/// Whether each frame of a text recording has the sum that it states: then nobody can know of damage.
+/// Whether each frame of a text recording has the sum that it states: then damage cannot be noticed.
 bool sums_hold(const std::string& text) {
     constexpr std::string_view sum_begins = "raw sum=,,";
     long stated = 0, found = 0;

@@ -49,7 +49,7 @@ finding kill_and_resume(scene& s, std::size_t number) {
             break;
         if (!by_that && !end.orderly())
             return s.aborted(end);
-        // Only a signal ends it: what there is can always be gone on with.
+        // Only a signal ends it: what there is can always be resumed.
         if (!by_that)
             return s.silent(what.name + ": what a killed one left is not readable: " + end.text());
         if (const std::string problem = what.wrong(s.made, s.folder, false); !problem.empty())

@@ -20,7 +20,7 @@ namespace {
 
 using clock = std::chrono::steady_clock;
 
-// Before anything may make this process root of a space of its own, where it is nobody else.
+// Before anything may make this process root of a space of its own, where it is no other user.
 const bool is_root = ::geteuid() == 0;
 
 int check(int result) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a case of the attack has at hand: a folder of its own, random numbers, and files that were made when
+// What a case of the attack has: a folder of its own, random numbers, and files that were made when
 // nothing was wrong, with what came of them.
 
 #include "run.hpp"
@@ -25,7 +25,7 @@ std::map<std::string, std::string> recordings();
 /// The network of stream.net, whose fourth class has a name of choice, as it stands within quotes in JSON.
 std::string network(const std::string& fourth_class = "object3");
 
-/// Images of three classes, and what an undisturbed program makes of them; in a folder of their own.
+/// Images of three classes, and the results of an undisturbed program; in a folder of their own.
 class materials {
 public:
     explicit materials(programs which);

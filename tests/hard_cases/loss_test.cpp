@@ -168,7 +168,7 @@ TEST_CASE("softmax: probabilities of large logits") {
     check_softmax("logits of 1e28", 1e28f);
 }
 
-// The class takes part as any other: its gradient is its probability, which the images of the others push
+// The class counts as any other: its gradient is its probability, which the images of the others push
 // down.
 TEST_CASE("softmax_cross_entropy: a class without images") {
     const std::size_t samples = 5;

@@ -1,5 +1,5 @@
-# What the library makes of the compiler's options: an older language gets one sentence, and where there are no vectors it
-# does without, and without xsimd, though nobody has said TACTNET_NO_SIMD.
+# How the library responds to the compiler's options: an older language gets one sentence, and where there are no vectors it
+# does without, and without xsimd, even without TACTNET_NO_SIMD.
 #
 # cmake -DCOMPILERS=a|b -DARMHF=<compiler for 32-bit ARM, or nothing> -DINCLUDE=<folder that holds tactnet/> \
 #       -DX86=<whether COMPILERS are for x86-64> -DFOLDER=<to write in> -P configuration.cmake

@@ -51,14 +51,14 @@ set(folder_kernels/frame panels simd)
 set(folder_kernels/rows panels simd)
 set(folder_kernels simd) # headers next to the folders
 
-# Folders that only these and they themselves include: whoever simulates objects of his own does not pay for
+# Folders that only these and they themselves include: a simulation of your own objects does not pay for
 # the paper's 22 classes.
 set(closed_folders simulation/paper)
 set(users_of_simulation/paper simulation.hpp)
 
 # What only kernels/ may know.
 set(kernel_headers "^xsimd/|^(immintrin|x86intrin|arm_acle|arm_neon|arm_sve|wasm_simd128)\\.h$")
-# What may include Eigen, apart from the room eigen: whoever includes none of it needs no Eigen.
+# What may include Eigen, apart from the room eigen: programs that include none of it need no Eigen.
 set(eigen_users simulation/effects/circuit/resistive_network.hpp)
 # What the standard library leaves to the system: files that are safe on disk, an interrupt from the keyboard.
 set(system_headers "^(unistd|fcntl|io|windows)\\.h$|^sys/[a-z]+\\.h$")

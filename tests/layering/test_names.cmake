@@ -1,4 +1,4 @@
-# Checks that tests/ mirrors include/, so that whoever changes a header finds its test, and that each test case says
+# Checks that tests/ mirrors include/, so that the test of a header is easy to find, and that each test case says
 # first what it tests.
 #
 # cmake -DTESTS=<folder of tests> -DHEADERS=<folder that holds tactnet/> -P test_names.cmake

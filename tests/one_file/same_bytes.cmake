@@ -10,7 +10,7 @@ foreach(name IN ITEMS tactnet.hpp tactnet_sensors.hpp)
     if(NOT once STREQUAL twice)
         message(SEND_ERROR "${name}: expected the same bytes from the same sources, found others")
     endif()
-    # A line that needs a second file would stop whoever pastes it.
+    # A line that needs a second file would stop a reader who pastes it.
     file(STRINGS "${FOLDER}/once/${name}" own REGEX "^ *# *include +[<\"]tactnet/")
     file(STRINGS "${FOLDER}/once/${name}" head LIMIT_COUNT 12)
     if(own OR NOT head MATCHES "tactnet [0-9]+\\.[0-9]+\\.[0-9]+.*MIT License")

@@ -95,7 +95,7 @@ TEST_CASE("range_search: each map gets the fraction with which outputs come near
 }
 
 TEST_CASE("range_search: a second sweep searches each range given those that were found") {
-    // The first map had better be narrow once the second is, and not before.
+    // A narrow range of the first map is better once the second is narrow, and not before.
     const found_ranges found =
         searched([](std::span<const float> folded, std::span<const float> shown, std::span<float> to) {
             const bool narrow_first = folded[places] < 1.1f, narrow_second = folded[places + 2] < 2.1f;

@@ -33,7 +33,7 @@ eight_bit_calibration<net> on(std::span<const float> frames) {
     return {filled(), mean(), support::input_scale, frames};
 }
 
-/// What rounding makes of outputs, as a part of the root of their mean square, where weights are merely
+/// By how much rounding changes outputs, as a part of the root of their mean square, where weights are merely
 /// rounded; those that calibration chooses come nearer. A weight and a byte are off by a step / √12 each, in
 /// steps of 1/127 and 1/255 of the largest number, which is at most four times the root of the mean square of
 /// numbers such as these (evenly drawn weights: √3; sums of some dozens of them, near a normal distribution:

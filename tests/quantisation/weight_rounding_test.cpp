@@ -35,7 +35,7 @@ eight_bit_calibration<pair_net> on_pairs(const std::vector<float>& images) {
     return {n, zero, 1, std::span<const float>(images)};
 }
 
-/// What weight_rounding makes of two weights and a bias; weights are in steps of 1, and inputs are whole.
+/// The result of weight_rounding for two weights and a bias; weights are in steps of 1, and inputs are whole.
 std::vector<float> fitted_pair(std::size_t range_of_frame, float bias) {
     const std::vector<float> exact{0, 0, 128, 255, support::first_weight, support::second_weight, bias, 1};
     const std::vector<map_range> ranges(2, map_range{1, 0});

@@ -82,7 +82,7 @@ TEST_CASE("scene: after a change of sensor its frames are those of that sensor")
     CHECK(std::ranges::equal(frame(first), of_second));
 }
 
-/// An effect of one's own: a film that answers to the mean of this frame and of all before it, and reports on
+/// An effect of your own: a film that answers to the mean of this frame and of all before it, and reports on
 /// which sensor and cells it is.
 struct slow_film {
     static constexpr stage place = stage::film;

@@ -18,8 +18,9 @@ inline float draw(std::uint64_t& state) {
     return static_cast<float>(state >> 40) * 0x1p-23f - 1;
 }
 
-/// A map that lies pixel by pixel between two guards of numbers that nobody may read or write. Aligned, so
-/// that loads and stores of whole vectors end the program where packed numbers do not begin at a vector.
+/// A map that lies pixel by pixel between two guards of numbers that must be neither read nor written.
+/// Aligned, so that loads and stores of whole vectors end the program where packed numbers do not begin at a
+/// vector.
 class guarded_map {
 public:
     guarded_map(std::size_t elements, float guard, float inside)

@@ -145,7 +145,7 @@ TEST_CASE("training_loop: features go to the network as they are") {
     how.augmentation = augmentation_rule::none;
     how.remeasure_statistics = true;
     const data_split split = split_data(task.labels, 3, split_rule::random, 1);
-    // What becomes of counts in front of a network, found before.
+    // How counts are scaled before a network, known in advance.
     std::vector<float> features;
     for (const std::uint8_t count : task.pixels)
         features.push_back(static_cast<float>(count) * (1.0F / 255));

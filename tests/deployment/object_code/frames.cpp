@@ -1,4 +1,4 @@
-// Calls of deployed networks and nothing else: what the compiler makes of them is read by check.cmake.
+// Calls of deployed networks and nothing else: check.cmake reads what the compiler generates for them.
 
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/networks/tactnet6.hpp>

@@ -24,7 +24,7 @@ try {
   console.log(`TactNet-6, single precision: ${await first.evaluate(text('time'))} µs per frame`);
   await first.until(`[...document.querySelectorAll('#objects canvas')].every((one) => one.getContext('2d').getImageData(0, 0, 50, 28).data.some((count, i) => i % 4 === 0 && count > 60))`);
 
-  // An object of one's own choice, moved by pointer and keys.
+  // A chosen object, moved by pointer and keys.
   await first.evaluate(`document.querySelector('input[name=object][value="20"]').click()`);
   await first.until(`document.documentElement.dataset.label === 'sticky tape'`);
   const box = await first.evaluate(`(({ left, top, width, height }) => ({ left, top, width, height }))(document.getElementById('array').getBoundingClientRect())`);

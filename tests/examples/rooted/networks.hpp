@@ -1,6 +1,6 @@
 #pragma once
 
-// A network of one's own whose steps none of the library's networks have.
+// A network of your own whose steps none of the library's networks have.
 
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>

@@ -114,7 +114,7 @@ TEST_CASE("image_folder: pipes, sockets and devices are no images") {
     touch(folder / "pen" / "1.png");
     REQUIRE(mkfifo((folder / "pen" / "pipe").c_str(), 0600) == 0);
     REQUIRE(mkfifo((folder / "pipe.png").c_str(), 0600) == 0);
-    CHECK(error_of(folder.path()) == "no error"); // nobody would open them
+    CHECK(error_of(folder.path()) == "no error"); // no program would open them
     REQUIRE(mkfifo((folder / "pen" / "2.png").c_str(), 0600) == 0);
     CHECK(error_of(folder.path()) ==
           (folder / "pen" / "2.png").string() + ": expected a regular file, found a named pipe");

@@ -15,7 +15,7 @@
 #include <vector>
 
 // A large convolution of one frame or several on random numbers, held to the bound of its error, between
-// guards that nobody may touch.
+// guards that must stay untouched.
 
 namespace support {
 

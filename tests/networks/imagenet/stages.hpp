@@ -212,7 +212,7 @@ Network compare_stages(golden_stages& golden, const std::string& last) {
     return net;
 }
 
-/// Whether the arrays of a network are those of another, by the same names, which goes on with the ones
+/// Whether the arrays of a network are those of another, by the same names, which continues with the ones
 /// named.
 template <class Begin, class Whole>
 [[nodiscard]] bool begins_as(const std::vector<std::string>& behind) {

@@ -180,7 +180,7 @@ TEST_CASE("tekscan_ascii: header: lengths, areas, pressures and times in every u
     for (const std::string value : {"0.01", "0.01 s", "0.01 seconds", "10 ms"})
         CHECK(decode("ROWS 1\nCOLS 1\nSECONDS_PER_FRAME " + value + "\nASCII_DATA @@\n1\n@@\n")
                   .description.seconds_per_frame.value_or(-1) == doctest::Approx(0.01));
-    // Without a unit, or with one that nobody knows, it could be anything.
+    // Without a unit, or with an unknown one, it could be anything.
     for (const std::string length : {"1", "1 furlong", "unknown", ""}) {
         CHECK(!with_line("ROW_SPACING " + length).description.row_spacing);
         check_both(with_line("ROW_SPACING " + length));

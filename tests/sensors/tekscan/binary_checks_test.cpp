@@ -151,7 +151,7 @@ TEST_CASE("tekscan_binary_checks: the time of day and the time since the start s
     const std::string header = replaced(written_header(1), "TIME_2 1d5", "TIME_2 xd5");
     records[0].time_of_day += 77;
     CHECK(texts(decode({frame(records[0])}, header)).empty());
-    // Of another length it is a record that nobody knows.
+    // A record of another length is unknown.
     const std::string other = "\xFF\xFF\x10\x00\x02\x00\x01\x01\xFF\xFF"s;
     CHECK(texts(decode({other, other})).empty());
 }

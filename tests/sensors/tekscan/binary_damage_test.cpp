@@ -63,7 +63,7 @@ bool only_counts_differ(const kept_frame& a, const kept_frame& b) {
                       [](float x, float y) { return (x == 0) == (y == 0); });
 }
 
-/// All but the header's lines, of which most matter to nobody.
+/// All but the header's lines, most of which are never read.
 bool same_description(const tactnet::recording_description& a, const tactnet::recording_description& b) {
     return a.version == b.version && a.rows == b.rows && a.columns == b.columns &&
            a.row_spacing == b.row_spacing && a.column_spacing == b.column_spacing &&

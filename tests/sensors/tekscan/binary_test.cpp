@@ -27,7 +27,7 @@ decoded decode(std::string_view bytes) {
 const std::string header =
     "VERSION Tek API\nROWS 3\nCOLS 4\nUNITS PSI\nSECONDS_PER_FRAME 0.01\nFRAMES 3\n\xBB\xBA";
 const std::string end_list = "\xFF\xFF", closing = "\xFF\xFE";
-// Cells 0 and 1, and 11; number 5, 10 000 microseconds, and a record that nobody knows.
+// Cells 0 and 1, and 11; number 5, 10 000 microseconds, and an unknown record.
 const std::string first =
     "\x00\x00\x02\x07\x08\x0B\x00\x01\xFF"s + end_list + "\x01\x00\x04\x00\x05\x00\x00\x00"s +
     "\x02\x00\x08\x00\x10\x27\x00\x00\x00\x00\x00\x00"s + "\x63\x00\x03\x00\xFF\xFF\xFF"s + end_list;

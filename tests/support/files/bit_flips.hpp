@@ -14,7 +14,7 @@ inline void flip(std::vector<std::byte>& bytes, std::size_t bit) {
     bytes[bit / 8] ^= static_cast<std::byte>(1U << bit % 8);
 }
 
-/// The bits that nobody notices, of all or of so many drawn from a seed; `noticed(bytes)` says.
+/// The bits whose change goes unnoticed, of all or of so many drawn from a seed; `noticed(bytes)` says.
 template <class Noticed>
 std::vector<std::size_t> unnoticed_flips(std::vector<std::byte> bytes, const Noticed& noticed,
                                          std::size_t drawn = 0) {

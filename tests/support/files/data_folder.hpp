@@ -16,7 +16,7 @@ namespace support {
 /// Set when data are missing: the program then ends with the status of a skipped test, if nothing failed.
 inline bool data_missing = false;
 
-/// The file or folder of that name among the data at hand, or nothing: the test then returns at once.
+/// The file or folder of that name among the data, or nothing: the test then returns at once.
 inline std::optional<std::filesystem::path> find_data(const std::string& name) {
     const char* given = std::getenv("TACTNET_DATA");
     const std::filesystem::path root =

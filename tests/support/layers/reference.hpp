@@ -4,8 +4,8 @@
 // the library's kernels, of lanes or of threads. Each number comes with the bound of the error that a
 // computation in a given precision may make, carried along through lists of layers (running error analysis;
 // Higham, "Accuracy and stability of numerical algorithms", 2nd edition, chapter 3). The same layers give
-// what a batch computes, as it is trained, and what a deployed network makes of one frame, where batch norms
-// are folded into convolutions and the sum of a residual block is taken in its last one
+// what a batch computes, as it is trained, and what a deployed network computes for one frame, where batch
+// norms are folded into convolutions and the sum of a residual block is taken in its last one
 // (deployed_reference.hpp).
 
 #include <cstddef>

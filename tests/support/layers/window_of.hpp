@@ -33,8 +33,8 @@ inline reference_window pool_window(extents3 map, tactnet::extent2d pool, std::s
             0,
             beyond(columns * pool.columns, map.columns)};
 }
-/// What a convolution of a deployed network makes of its sums: the largest of each window of its pool, and
-/// ReLU.
+/// What a convolution of a deployed network computes from its sums: the largest of each window of its pool,
+/// and ReLU.
 template <class Convolution>
 sample pooled_and_rectified(const Convolution& c, sample sums) {
     const std::size_t rows = c.window.output_rows(), columns = c.window.output_columns();
