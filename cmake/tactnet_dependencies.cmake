@@ -36,8 +36,8 @@ macro(tactnet_find_xsimd _tactnet_missing)
     endif()
 endmacro()
 
-# tactnet_link_xsimd(target): gives it the headers of `_tactnet_xsimd`. It is not exported with the target: whoever
-# finds the installed package gets that of their own machine.
+# tactnet_link_xsimd(target): gives it the headers of `_tactnet_xsimd`. It is not exported with the target: a project that
+# finds the installed package gets that of its own machine.
 macro(tactnet_link_xsimd _tactnet_target)
     # Debian's xsimd links xtl, which its headers need only for that library's complex numbers, and which the package
     # neither brings nor asks for: linking it ends in "cannot find -lxtl". Only the headers are wanted then.

@@ -42,7 +42,7 @@ frame touch_of(std::size_t number) {
     return counts;
 }
 
-/// All that stands before and behind a network.
+/// All that runs before and after a network.
 struct stages {
     sensor_health<array> health;
     contact_detector<array> detector;

@@ -29,7 +29,7 @@ struct inference_case {
     std::size_t multiply_adds_on_pixels;
 };
 
-/// All cases in this program, for the table behind the benchmarks.
+/// All cases in this program, for the table after the benchmarks.
 inline std::vector<inference_case>& inference_cases() {
     static std::vector<inference_case> cases;
     return cases;

@@ -14,7 +14,7 @@ namespace benchmark {
 
 namespace onnx {
 
-/// A message of protocol buffers: fields one behind the other, each with its number.
+/// A message of protocol buffers: fields one after the other, each with its number.
 class message {
 public:
     message& number(std::uint64_t field, std::uint64_t value) {

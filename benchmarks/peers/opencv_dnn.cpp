@@ -105,7 +105,7 @@ private:
     /// Convolutions take no padding that differs from side to side: a layer in front makes it.
     int evenly_padded(cv::dnn::LayerParams& p, int input) {
         const std::array<const char*, 4> sides{"pad_t", "pad_b", "pad_l", "pad_r"};
-        std::array<int, 8> around{}; // before and behind, of frames, channels, rows and columns
+        std::array<int, 8> around{}; // before and after, of frames, channels, rows and columns
         for (std::size_t side = 0; side < 4; ++side)
             around[4 + side] = p.get<int>(sides[side]);
         if (around[4] == around[5] && around[6] == around[7])

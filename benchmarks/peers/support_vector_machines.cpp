@@ -9,7 +9,7 @@ namespace benchmark {
 namespace {
 
 /// Rows as LIBSVM and LIBLINEAR take them: indices from 1 and values of what is not zero, and an index of −1
-/// behind. `bias` other than 0 goes behind the last feature.
+/// at the end. `bias` other than 0 follows the last feature.
 template <class Node>
 class sparse_rows {
 public:

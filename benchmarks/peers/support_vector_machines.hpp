@@ -37,7 +37,7 @@ public:
     ~liblinear_machine();
 
     [[nodiscard]] std::vector<std::size_t> predict(tactnet::feature_rows<> rows) const;
-    /// Weights of a class by its place, the offset behind.
+    /// Weights of a class by its place, the offset last.
     [[nodiscard]] std::vector<double> weights(std::size_t index) const;
 
 private:

@@ -20,7 +20,7 @@ namespace benchmark {
     return static_cast<double>(same) / static_cast<double>(a.size());
 }
 
-/// The weights of a class by its place, the offset behind.
+/// The weights of a class by its place, the offset last.
 [[nodiscard]] inline std::vector<double> weights_of(const tactnet::linear_machine_parameters& parts,
                                                     std::size_t index) {
     const auto from = parts.weights.begin() + static_cast<std::ptrdiff_t>(index * parts.features);

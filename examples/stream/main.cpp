@@ -147,7 +147,7 @@ bool run(Decoder decoder, stage& to) {
         !std::is_same_v<Decoder, tactnet::any_recording>) // which has reported its damage, and ends there
         note(decoder.finish(take));
     finish_output();
-    // Bytes in front of the first packet are passed over, so that all of another device's stream would be.
+    // Bytes before the first packet are skipped, so that all of another device's stream would be.
     if (whole && to.frames() == 0) {
         complain("expected frames, found none in " + std::to_string(total) + " bytes");
         return false;

@@ -1,7 +1,7 @@
 #pragma once
 
 // A device of your own: this one sends 'T', 'N', a number that counts up to 255 and starts again, the cells,
-// and a byte that makes the exclusive or of all bytes behind 'N' zero. Copy it, and change what your device
+// and a byte that makes the exclusive or of all bytes after 'N' zero. Copy it, and change what your device
 // does otherwise.
 
 #include <tactnet/sensors/decoder.hpp>
@@ -26,7 +26,7 @@ public:
             ++byte_;
             packet_[size_++] = byte;
             // Out of step, a byte that cannot be where it is begins anew: one may join a stream anywhere. But
-            // behind a packet comes the next, or one is lost.
+            // after a packet comes the next, or one is lost.
             if (size_ <= start.size() && byte != start[size_ - 1]) {
                 if (in_step_)
                     fail({byte_ - 1, 0, frames() + 1, "'TN' in front of a packet", "other bytes"});

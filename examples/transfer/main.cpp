@@ -118,7 +118,7 @@ void run(const std::filesystem::path& folder, const std::filesystem::path& file,
     const photograph_preprocessing form = stored_photograph_preprocessing(weights);
     const image_set images = load_images(list_image_folder(folder), frame.rows, frame.columns, decode_image);
 
-    // As the paper: all features behind fire9, one machine for each class, the cost that belongs to a
+    // As the paper: all features after fire9, one machine for each class, the cost that belongs to a
     // regularisation of 1 ÷ the number of images.
     test<linear_kernel>("all features, linear",
                         features_of(images, *network, form, feature_pooling::none, threads), images, splits,

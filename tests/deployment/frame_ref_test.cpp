@@ -91,7 +91,7 @@ TEST_CASE("frames_ref: frames lie one after the other, whatever holds them") {
     check(counts, true);
     check(std::vector<float>(counts.begin(), counts.end()), false);
     check(std::vector<std::array<float, 6>>{{}, {1, 2, 3, 4, 5, 6}}, false);
-    std::array<tensor<std::uint8_t, size>, 2> tensors{}; // with a gap behind each, for alignment
+    std::array<tensor<std::uint8_t, size>, 2> tensors{}; // with a gap after each, for alignment
     static_assert(sizeof(tensors[0]) > 6);
     for (std::size_t e = 0; e < 6; ++e)
         tensors[1].data()[e] = counts[6 + e];

@@ -72,7 +72,7 @@ void check_average() {
         REQUIRE(network.infer(tensor_view<const Count, size>(turned.data()), outputs_per_reflection[i],
                               *memory_of_one) == frame_status::ok);
         network.read_features(*memory_of_one, features_per_reflection[i]);
-        // What comes the other way round is the same touch, to the bit.
+        // A reflected touch is the same touch, to the bit.
         REQUIRE(both_ways.infer(tensor_view<const Count, size>(turned.data()), again, *memory) ==
                 frame_status::ok);
         CHECK(again == found);

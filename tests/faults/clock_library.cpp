@@ -23,7 +23,7 @@ extern "C" __attribute__((visibility("default"))) int clock_gettime(clockid_t wh
         time->tv_sec += nanoseconds / 1000 * 7919 % 4201 - 2100;
     } else if (mode == "early") { // before 1970
         time->tv_sec -= 5'000'000'000;
-    } else if (mode == "late") { // behind what 64 bits of nanoseconds hold
+    } else if (mode == "late") { // beyond what 64 bits of nanoseconds hold
         time->tv_sec += 9'300'000'000;
     } else if (mode == "refused") {
         errno = EINVAL;

@@ -136,7 +136,7 @@ ending decode(scene& s, const std::string& name, const std::string& bytes) {
     return s.run({s.made.where().decode.string(), "--csv", name});
 }
 
-/// Without what differs from run to run: the microseconds behind a stream's last tab.
+/// Without what differs from run to run: the microseconds after a stream's last tab.
 std::string without_times(std::string text) {
     for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; ++at)
         if (const std::size_t tab = text.rfind('\t', at);
@@ -250,7 +250,7 @@ finding cut_files(scene& s, std::size_t number) {
                                                         "plain.stream"};
         std::string bytes = bytes_of(s.made / names[kind]);
         bytes.resize(s.below(bytes.size()));
-        // A stream may end behind any packet.
+        // A stream may end after any packet.
         const std::size_t packet = kind == 1 ? 1404 : kind == 4 ? 1400 : bytes.size() + 1;
         return decode_damaged(s, names[kind], bytes, bytes.size() % packet != 0);
     }

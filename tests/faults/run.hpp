@@ -12,7 +12,7 @@ namespace faults {
 
 namespace fs = std::filesystem;
 
-/// What stands behind one of the three standard streams.
+/// What one of the three standard streams leads to.
 enum class stream {
     usual,  ///< nothing to read; what is written is kept
     closed, ///< no stream at all

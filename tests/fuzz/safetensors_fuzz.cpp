@@ -1,6 +1,6 @@
 // Any bytes as a safetensors file: they are read, or refused with a file_error, and nothing else happens.
 // What was read can be written, and reads as the same again. Checksums are ignored, or hardly any mutated
-// file would reach what stands behind them; verifying one refuses the file or changes nothing.
+// file would reach what follows them; verifying one refuses the file or changes nothing.
 
 #include "fuzz_target.hpp"
 #include "safetensors_input.hpp"

@@ -82,7 +82,7 @@ private:
         case 6: // cut short
             bytes.resize(at);
             break;
-        case 7: { // another digit, where there is one behind
+        case 7: { // another digit, if one follows
             const auto digit =
                 std::find_if(place, bytes.end(), [](std::uint8_t b) { return b >= '0' && b <= '9'; });
             if (digit != bytes.end())

@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz_forms(size, 2, [&](std::size_t form) {
         if (form == 0)
             return fuzz::check(tactnet::tekscan_binary(), fuzz::bytes_of(data, size));
-        // And as the frames behind a good header, whose last cells have no tactels.
+        // And as the frames after a good header, whose last cells have no tactels.
         std::vector<std::uint8_t> framed = fuzz::input(header);
         framed.insert(framed.end(), data, data + size);
         fuzz::check(tactnet::tekscan_binary({1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0}),

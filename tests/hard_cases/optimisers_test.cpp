@@ -155,7 +155,7 @@ TEST_CASE("trainer: a label smoothing with which nothing can be learnt is reject
 }
 
 // Steps shrink by 0.9 ÷ √0.99 each time. About 170 of them move the number, each rounded once; what is lost
-// behind them is a geometric sum of 11 half units. A step has a dozen roundings of its own, and the
+// after them is a geometric sum of 11 half units. A step has a dozen roundings of its own, and the
 // correction of biases is a double.
 TEST_CASE("adamw: one gradient, then zeros for a million steps") {
     const double rate = 0.01;

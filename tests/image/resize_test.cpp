@@ -215,8 +215,8 @@ TEST_CASE_TEMPLATE("resize: weights sum to one", Kernel, keys_cubic<>, opencv_cu
 }
 
 TEST_CASE("resize: at the border Lagrange's weights stay below 6 in magnitude, Keys' at 1.25") {
-    // Of four equidistant pixels, half a pixel in front of the first: 35/16 + 35/16 + 21/16 + 5/16. Outputs
-    // come close to it, and do not reach it.
+    // The output half a pixel before the first of four equidistant pixels: 35/16 + 35/16 + 21/16 + 5/16.
+    // Outputs come close to it, and do not reach it.
     static_assert(magnitude<lagrange_cubic>(28, 227) > 5.18 && magnitude<lagrange_cubic>(28, 227) < 5.19);
     static_assert(magnitude<lagrange_cubic>(50, 227) > 4.59 && magnitude<lagrange_cubic>(50, 227) < 4.60);
     for (std::size_t from = 1; from <= 50; ++from)

@@ -126,7 +126,7 @@ TEST_CASE("pretrained: a network among other tensors, under a prefix") {
     };
     write("");
     CHECK(error_of_loading().empty());
-    write("classifier.bias"); // what stands behind no prefix is someone else's
+    write("classifier.bias"); // what has no prefix is someone else's
     CHECK(error_of_loading().empty());
     write("trunk.another");
     CHECK(error_of_loading() ==

@@ -15,7 +15,7 @@ list(SORT tests)
 set(problems "")
 foreach(test IN LISTS tests)
     string(REGEX REPLACE "_test\\.cpp$" "" header "${test}")
-    # A header whose tests are many has several files, each with its topic behind the header's name.
+    # A header whose tests are many has several files, each with its topic after the header's name.
     while(NOT EXISTS "${HEADERS}/tactnet/${header}.hpp" AND header MATCHES "_[^_/]*$")
         string(REGEX REPLACE "_[^_/]*$" "" header "${header}")
     endwhile()

@@ -105,7 +105,7 @@ constexpr std::size_t pooled_size =
     max_pool<3, Stride, Padding>::template layer<float, shape{Size, Size, 1}>::output.rows;
 static_assert(pooled_size<111, ceil_mode()> == 55 && pooled_size<112, ceil_mode()> == 56);
 static_assert(pooled_size<112, padding::valid> == 55 && pooled_size<5, ceil_mode(pad(1))> == 3);
-// A window that would begin behind the image is left out: 3, 5 of 6 with padding 1 begins at -1 and 4 only.
+// A window that would begin after the image is left out: 3, 5 of 6 with padding 1 begins at -1 and 4 only.
 static_assert(pooled_size<6, ceil_mode(pad(1)), 5> == 2 && pooled_size<4, ceil_mode(pad(1)), 5> == 1);
 
 TEST_CASE("max_pool: ceil mode completes the last window") {

@@ -78,7 +78,7 @@ TEST_CASE("calibration_graph_of: steps come as they run, each with its maps and 
         extent2d pool;
         graph_node::function reference;
     };
-    // The skip runs before the main branch, which adds to it, and comes behind it in files.
+    // The skip runs before the main branch, which adds to it, and follows it in files.
     const std::vector<expected_step> expected{
         {"step1", 0, 1, 0, 0, 0, false, false, 1, detail::reference_square_root},
         {"step2", 1, 2, 0, 4, 18, false, true, 2, nullptr},

@@ -190,7 +190,7 @@ TEST_CASE("node_executor: a description gives what the deployed network gives, e
     // Rounded: each byte is off by step / √12. Where the numbers before rounding differ by a part d of a
     // step, that part of the bytes become the next byte, which is off by a step: √(12 d) of the rounding
     // error. Norms round weights to 15 bits, so d = 255 / 65534; roots to 1/1024, of a step of 1/16 at least
-    // half of that, so d < 1/128; such bytes then differ in the sums behind them by as little. With two such
+    // half of that, so d < 1/128; such bytes then differ in the sums after them by as little. With two such
     // maps, d below 1/50: a half. Two roundings that had nothing in common would differ by √2. Where there is
     // neither, sums alone differ, and the test above says more.
     const auto check = [](const deviations& found) {

@@ -24,7 +24,7 @@ inline tactnet::detail::calibration_graph pair_description(std::size_t range_of_
         .window = {{1, 2}, tactnet::extent2d(1, 2), 1}, .filters = 1, .input = input};
     step.output = output;
     step.from = {1, 2}, step.to = {1, 1};
-    step.folded = 4; // behind the mean and what words hold
+    step.folded = 4; // after the mean and what words hold
     net.nodes.push_back(step);
     return net;
 }

@@ -146,7 +146,7 @@ TEST_CASE("weiss_decoder: a damaged frame is reported, and no other is lost") {
         for (const sensors_test::kept_frame& frame : found.frames)
             CHECK(frame.cells == plain_cells);
     }
-    // A size that reaches into the packets behind.
+    // A size that reaches into the packets after it.
     bytes longer = good;
     longer[4] += 20;
     weiss_wts reached(array);

@@ -53,7 +53,7 @@ tactnet::eight_bit_calibration<Network> calibrated(const Network& net, std::uint
 }
 
 /// The steps of a plan that write other bytes than the reference, each given the reference's input.
-/// Memory holds garbage before, and lanes behind the last channel of the input too.
+/// Memory holds garbage before, and so do lanes after the last channel of the input.
 template <class Network>
 std::size_t steps_that_differ(std::span<const float> all_folded, std::span<const std::uint8_t> counts) {
     using view = typename byte_network<Network>::view_type;

@@ -26,7 +26,7 @@ struct random_map {
     support::guarded_map laid;
 };
 
-/// Numbers in a map whose pixels are `stride` elements apart, zeros behind their channels.
+/// Numbers in a map whose pixels are `stride` elements apart, zeros after their channels.
 random_map make_map(shape size, std::size_t stride, std::uint64_t seed) {
     random_map map{std::vector<double>(size.size()), support::guarded_map(size.area() * stride, 777, 0.0f)};
     support::numbers draw(seed);

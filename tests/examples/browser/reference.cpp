@@ -20,7 +20,7 @@
 
 namespace {
 
-/// The same network in layers: batch norms that multiply by one behind the folded convolutions.
+/// The same network in layers: batch norms that multiply by one after the folded convolutions.
 template <class Network>
 support::network_parameters unfolded(const both_formats<Network>& from) {
     Network network;

@@ -113,7 +113,7 @@ samples exif(char order, std::uint8_t orientation) {
     return {kind, kind, 0, 42, 0, 0, 0, 8, 0, 1, 1, 0x12, 0, 3, 0, 0, 0, 1, 0, orientation, 0, 0, 0, 0, 0, 0};
 }
 
-/// A JPEG file with EXIF data behind its first marker.
+/// A JPEG file with EXIF data after its first marker.
 samples with_exif(samples jpeg, const samples& data) {
     samples marker{0xFF, 0xE1, 0, static_cast<std::uint8_t>(data.size() + 8), 'E', 'x', 'i', 'f', 0, 0};
     marker.insert(marker.end(), data.begin(), data.end());
@@ -128,7 +128,7 @@ public:
         return decode_image(path_);
     }
 
-    /// The sentence behind the file's name, or "no error".
+    /// The sentence after the file's name, or "no error".
     std::string error(const samples& file) {
         try {
             (*this)(file);

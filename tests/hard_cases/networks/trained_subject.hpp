@@ -77,7 +77,7 @@ inline std::vector<std::vector<float>> broken_frames(tactnet::shape image, float
     return frames;
 }
 
-/// A network after a short training, and the mean that is subtracted in front of it.
+/// A network after a short training, and the mean that is subtracted before it.
 template <class Network>
 struct trained_subject {
     static constexpr std::size_t classes = Network::outputs, at_once = 32;

@@ -74,7 +74,7 @@ std::vector<float> frame_of(float size) {
 }
 
 /// `lost` is what a rounding may lose below the smallest normal number: each of at most 9 · 8 + 3 in every
-/// layer, which the layers behind it make larger by the sum of their weights.
+/// layer, which the layers after it make larger by the sum of their weights.
 void check_network(const std::string& name, float weights, float size, bool flushed) {
     const net n = small_network(weights);
     const std::vector<float> frame = frame_of(size);
@@ -99,7 +99,7 @@ void check_network(const std::string& name, float weights, float size, bool flus
     double largest = 1;
     for (const float w : n.learnable_values())
         largest = std::max(largest, static_cast<double>(std::abs(w)));
-    // 56 dense inputs, 72 taps: what is lost in front of a layer is at most that many times larger behind it.
+    // 56 dense inputs, 72 taps: what is lost before a layer is at most that many times larger after it.
     const double lost = flushed ? 0x1p-126 * 3 * 75 * 72 * 56 * std::pow(largest, 3) * 1600 : 0;
     std::vector<outcome> all;
     for (std::size_t o = 0; o < out.size(); ++o)

@@ -1,4 +1,4 @@
-// Winograd's tiles where terms cancel, where weights differ by orders of magnitude, and behind each other,
+// Winograd's tiles where terms cancel, where weights differ by orders of magnitude, and in sequence,
 // compared with the same convolutions as direct sums in single precision. Held to the running error analysis
 // of a tile's terms, or to the deviation of independent roundings where that is smaller.
 

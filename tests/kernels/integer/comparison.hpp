@@ -192,7 +192,7 @@ constexpr frame_convolution of(shape input, std::size_t filters, extent2d kernel
             .filters = filters,
             .input_stride = input_stride > 0 ? input_stride : input.channels};
 }
-/// With a max pool and a ReLU behind it.
+/// With a max pool and a ReLU after it.
 constexpr frame_convolution pooled(frame_convolution c, extent2d pool, std::size_t rows, std::size_t columns,
                                    bool relu = true) {
     c.pool = pool, c.pooled_rows = rows, c.pooled_columns = columns, c.relu = relu;

@@ -36,7 +36,7 @@ struct drawn_counts {
         return kernels::counts_to_words(from.data(), from.size(), mean.data(), steps, largest_count,
                                         words.data());
     }
-    /// Words that are not those of plain loops, with those behind the last that were touched.
+    /// Words that are not those of plain loops, with those after the last that were touched.
     [[nodiscard]] std::size_t wrong() const {
         std::size_t differing = 0;
         for (std::size_t i = 0; i < words.size(); ++i)
@@ -91,7 +91,7 @@ std::vector<int> roots_of(const std::vector<Number>& numbers, std::int32_t zero,
     std::vector<std::uint8_t> bytes(numbers.size() + 4, 201);
     kernels::roots_to_bytes(numbers.data(), numbers.size(), zero, offset, factor, range, bytes.data());
     for (std::size_t i = numbers.size(); i < bytes.size(); ++i)
-        CHECK(bytes[i] == 201); // nothing behind the last
+        CHECK(bytes[i] == 201); // nothing after the last
     return {bytes.begin(), bytes.end() - 4};
 }
 
@@ -164,7 +164,7 @@ TEST_CASE("roots_to_bytes: all words and bytes follow the rule, in any number") 
                 wrong += of_bytes[i] != expected(bytes[i], 11, offset, factor, 3, 3);
             CHECK(wrong == 0);
         }
-    // Whole vectors and what is left behind them.
+    // Whole vectors and the rest after them.
     const std::vector<int> all = roots_of(bytes, 0, 0.375f, 0.01f, {});
     for (std::size_t count = 0; count <= 3 * kernels::lanes<float> + 1; ++count)
         CHECK(roots_of(std::vector<std::uint8_t>(bytes.begin() + 9,

@@ -97,7 +97,7 @@ TEST_CASE("working_set: dense rows: a long product and a sum, against double pre
             exact += static_cast<double>(a[i]) * static_cast<double>(b[i]);
             size += std::abs(static_cast<double>(a[i]) * static_cast<double>(b[i]));
         }
-        // A run holds up to 64 products in a chain, those left over behind it 3 more, and 4 chains.
+        // A run holds up to 64 products in a chain, those left over after it 3 more, and 4 chains.
         const double error = support::accumulated(support::unit_roundoff<float>, 64 + 3 + 2 + 1) * size;
         CHECK(support::within(dot(a.data(), b.data(), count), {exact, error}));
 

@@ -10,8 +10,8 @@ using namespace tactnet::kernels;
 
 namespace {
 
-/// Numbers whose sum depends on the order: one so large that those behind are lost in it one by one, but not
-/// together.
+/// Numbers whose sum depends on the order: one so large that those after it are lost in it one by one, but
+/// not together.
 template <std::size_t Lanes>
 void check_order() {
     aligned_vector<float> values(Lanes);

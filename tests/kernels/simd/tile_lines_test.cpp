@@ -11,7 +11,7 @@ using namespace tactnet;
 using namespace tactnet::kernels;
 
 // What the lines compute together is tested with tiles (batch/winograd/, frame/). Here that those of
-// gradients are the others the other way round: row i of one matrix is what its transpose makes of the unit
+// gradients are the others transposed: row i of one matrix is what its transpose makes of the unit
 // vector i.
 
 namespace {

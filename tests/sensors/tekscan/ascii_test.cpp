@@ -528,7 +528,7 @@ TEST_CASE("tekscan_ascii: cut short anywhere, whole frames come out and no other
           "byte " + std::to_string(recording.find("B,250") - 1) +
               ", line 14, frame 2: expected 2 rows, found 0 before the end of the data "
               "(1 announced frames are missing)");
-    // What was begun behind a whole frame does not take it away.
+    // What was begun after a whole frame does not take it away.
     CHECK(decode(recording.substr(0, recording.find("me 2"))).frames.size() == 1);
     CHECK(decode(recording.substr(0, recording.size() - 2)).frames.size() == 2);
 }

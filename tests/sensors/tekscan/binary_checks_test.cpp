@@ -182,19 +182,19 @@ TEST_CASE("tekscan_binary_checks: a frame is certain once what follows it fits")
     const auto usual = [](std::uint64_t index) { return frame(usual_records(index)); };
     const std::string header = written_header(3);
     CHECK(decode({usual(0), usual(1), usual(2)}).certain_frames == 3);
-    // Two whole frames, and damage in the third: the second has nothing behind it.
+    // Two whole frames, and damage in the third: the second has nothing after it.
     const auto refused = decode({usual(0), usual(1)}, header, "\x07\x00\x00"s);
     CHECK(refused.status == decode_status::damaged);
     CHECK(refused.frames.size() == 2);
     CHECK(refused.certain_frames == 1);
     CHECK(decode({}, header, "\x07\x00\x00"s).certain_frames == 0);
-    CHECK(decode({usual(0), usual(1)}, header).certain_frames == 1); // one is missing in front of FF FE
+    CHECK(decode({usual(0), usual(1)}, header).certain_frames == 1); // one is missing before FF FE
     // Bytes that went missing between the middles of two frames leave one that is both. Its number shows it.
     const auto merged = decode({usual(0), usual(1), usual(4), usual(5)}, written_header(6));
     CHECK(merged.status == decode_status::damaged);
     CHECK(merged.frames.size() == 4);
     CHECK(merged.certain_frames == 1);
-    // A warning, and no frame behind it is certain.
+    // A warning, and no frame after it is certain.
     CHECK(decode({usual(0), usual(1), usual(4), usual(5)}).certain_frames == 1);
 }
 

@@ -136,7 +136,7 @@ void check(const std::array<tally, kinds.size()>& found) {
         CHECK(found[kind].counts + found[kind].more <= most_silent[kind]);
         CHECK(found[kind].more <= most_beyond_counts[kind]);
         CHECK(found[kind].wrong_certain == 0);
-        // And not by saying that nothing is certain: a frame or two in front of the damage are missing.
+        // And not by saying that nothing is certain: a frame or two before the damage are missing.
         CHECK(found[kind].right - found[kind].certain <= 2 * found[kind].refused);
     }
 }

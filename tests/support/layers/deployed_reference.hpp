@@ -27,7 +27,7 @@
 //            nothing there): as many times as there are products, each by what it meets on its way out. With
 //            flush-to-zero, which is the program's own choice, it would be 2^-126.
 //
-// What bounds the worst case grows with every layer, as if all errors conspired: behind a dozen layers it
+// What bounds the worst case grows with every layer, as if all errors conspired: after a dozen layers it
 // would let pass nearly anything. So each number also carries the deviation that errors have when roundings
 // are independent and of mean zero (Higham and Mary, "A new approach to probabilistic rounding error
 // analysis", 2019): n roundings make √n u in place of n u, and errors of the terms of a sum are added as

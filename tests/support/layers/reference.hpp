@@ -88,7 +88,7 @@ struct reference_window {
     static reference_window same(extents3 input, std::size_t kernel_rows, std::size_t kernel_columns,
                                  std::size_t stride_rows, std::size_t stride_columns);
     /// PyTorch's ceil_mode, by its rule: as many windows as it takes to reach the end, but each begins in the
-    /// image or in the padding in front of it.
+    /// image or in the padding before it.
     [[nodiscard]] reference_window completed() const;
     [[nodiscard]] std::size_t output_rows() const {
         return (input.rows + top + bottom - kernel_rows) / stride_rows + 1;

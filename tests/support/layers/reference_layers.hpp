@@ -98,7 +98,7 @@ public:
     convolution(const reference_window& window, std::size_t filters, std::size_t groups, bool bias,
                 const reference_tiles& tiles, kind what = kind::of_windows);
 
-    /// Whether a deployed network folds a batch norm behind it, and adds a skip in its sums.
+    /// Whether a deployed network folds a batch norm after it, and adds a skip in its sums.
     [[nodiscard]] bool folds() const { return convolutions > 0; }
     [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override;
     [[nodiscard]] bool has_backward() const override { return true; }

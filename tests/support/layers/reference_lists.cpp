@@ -142,7 +142,7 @@ private:
     reference_pointer main_, skip_;
 };
 
-/// Channels of all branches, one behind the other.
+/// Channels of all branches, one after the other.
 class concatenation final : public reference_layer {
 public:
     explicit concatenation(std::vector<reference_pointer> branches) : branches_(std::move(branches)) {

@@ -222,7 +222,7 @@ public:
     }
 
 private:
-    /// body(j) for all j in the window of i: those in front of it are as many as those behind, or one more.
+    /// body(j) for all j in the window of i: those before it are as many as those after it, or one more.
     template <class Body>
     void for_window(std::size_t i, Body&& body) const {
         const std::size_t c = i / input.area(), before = size_ / 2;
