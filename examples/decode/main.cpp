@@ -25,7 +25,6 @@
 #include <exception>
 #include <filesystem>
 #include <optional>
-#include <printable.hpp>
 #include <span>
 #include <stack.hpp>
 #include <standard_output.hpp>

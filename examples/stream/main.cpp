@@ -22,7 +22,6 @@
 #include <exception>
 #include <optional>
 #include <poll.h>
-#include <printable.hpp>
 #include <span>
 #include <stack.hpp>
 #include <standard_output.hpp>

@@ -64,6 +64,10 @@ std::string duration_text(double seconds) {
     return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
 }
 
+std::string time_left(double seconds, std::size_t done, std::size_t left) {
+    return duration_text(seconds / static_cast<double>(done) * static_cast<double>(left)) + " left";
+}
+
 bool wait_until(const std::function<bool()>& ready, const std::string& sentence) {
     for (bool told = false; !ready(); std::this_thread::sleep_for(std::chrono::milliseconds(200))) {
         if (interrupted())

@@ -1,17 +1,33 @@
 #pragma once
 
-// The one way to the standard streams. Results that cannot be written are an error; messages and progress
-// that cannot be shown are dropped, since nobody is there to read them and the work is worth more.
+// How the program ends, and the one way to the standard streams. Results that cannot be written are an error;
+// messages and progress that cannot be shown are dropped, since there is no reader and the work is worth
+// more.
 
 #include <fmt/format.h>
 
 #include <cstddef>
 #include <functional>
 #include <standard_output.hpp>
+#include <stdexcept>
 #include <stopwatch.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
+
+/// What was asked for cannot be done as it was asked: the program ends with status 2 and the sentence.
+struct usage_error : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// Throws usage_error with a sentence that has values in it.
+template <class... Values>
+[[noreturn]] void refuse(fmt::format_string<Values...> sentence, Values&&... values) {
+    throw usage_error(fmt::format(sentence, std::forward<Values>(values)...));
+}
+
+/// How the program ends.
+enum exit_status : int { success = 0, failed = 1, bad_input = 2, interrupted_by_user = 130 };
 
 /// To be called first of all. Closed streams are taken up, so that no file that is opened later gets their
 /// numbers and with them what is printed; a pipe that nobody reads and a file beyond the allowed size become
@@ -48,6 +64,8 @@ private:
 
 /// "12 s", "3 min 20 s", "2 h 5 min".
 std::string duration_text(double seconds);
+/// "3 min 20 s left", after so many seconds in which so much was done.
+std::string time_left(double seconds, std::size_t done, std::size_t left);
 
 /// Asks until it is `ready`, and prints once what is waited for. False if interrupted.
 bool wait_until(const std::function<bool()>& ready, const std::string& sentence);

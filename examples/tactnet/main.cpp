@@ -8,7 +8,6 @@
 #include "commands/commands.hpp"
 #include "console.hpp"
 #include "methods/description.hpp"
-#include "usage_error.hpp"
 
 #include <tactnet/io/file_error.hpp>
 
@@ -16,7 +15,6 @@
 
 #include <exception>
 #include <new>
-#include <printable.hpp>
 #include <sstream>
 #include <stack.hpp>
 #include <string>

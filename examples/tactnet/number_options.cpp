@@ -38,8 +38,6 @@ CLI::Validator check(std::string expected, std::string description, Read read, A
 std::optional<std::uint64_t> whole_number_of(std::string_view text) {
     if (text.starts_with('+'))
         text.remove_prefix(1);
-    if (text.starts_with("0x") || text.starts_with("0X"))
-        return all_of<std::uint64_t>(text.substr(2), 16);
     if (text.size() > 1 && text.starts_with('0'))
         return std::nullopt;
     return all_of<std::uint64_t>(text, 10);

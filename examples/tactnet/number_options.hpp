@@ -13,8 +13,7 @@
 #include <string_view>
 #include <utility>
 
-/// Decimal digits without leading zeros, which others read as octal, or hexadecimal ones after 0x. Nothing
-/// for other text, or from 2^64 on.
+/// Decimal digits without leading zeros, which others read as octal. Nothing for other text, or from 2^64 on.
 std::optional<std::uint64_t> whole_number_of(std::string_view text);
 /// A finite number, decimal. Nothing for other text such as nan and inf, or beyond what a double holds.
 std::optional<double> number_of(std::string_view text);

@@ -5,11 +5,11 @@
 # The program `tactnet` with these networks, each compiled for each of the SIZES (28x50), or for sizes of its own as in
 # tactnet4=28x50,7x13; in every list commas and semicolons mean the same. EIGHT_BIT are those that are compiled in 8 bits
 # too. TRUNKS are networks trained on photographs that methods begin with, at all sizes. Networks are the library's, or
-# templates of a header of one's own, `namespace::network<input, classes>`, where a - in a name stands for a _. The property
+# templates of your own header, `namespace::network<input, classes>`, where a - in a name stands for a _. The property
 # TACTNET_UNITS of the target lists what was compiled, as network_size and network_size_in_8_bits.
 #
 # The target <target>_code_bytes, which no other builds, compiles what recognises a frame of each network alone and writes
-# how many bytes that takes beside the weights, to <target>_code_bytes.csv beside the program.
+# how many bytes that takes in addition to the weights, to <target>_code_bytes.csv next to the program.
 
 find_program(TACTNET_SIZE NAMES size llvm-size DOC "prints the bytes of object files")
 mark_as_advanced(TACTNET_SIZE)
@@ -41,11 +41,19 @@ function(tactnet_networks_at_sizes result entries sizes)
     set(${result} "${list}" PARENT_SCOPE)
 endfunction()
 
-# Writes a source file that includes headers and defines one function, which returns `expression`.
-function(tactnet_write_unit file headers declarations function expression)
-    file(CONFIGURE OUTPUT "${file}" CONTENT "// Generated.\n${headers}\n${declarations}${function};\n\n${function} {
+# Writes a source file with one function, which returns `expression`.
+function(tactnet_write_unit file headers function expression)
+    file(CONFIGURE OUTPUT "${file}" CONTENT "// Generated.\n${headers}\n${function};\n\n${function} {
     return ${expression};\n}\n" @ONLY)
 endfunction()
+
+# A source of tactnet_add_program, which defines make_<name>() of that type.
+macro(tactnet_add_unit name headers type expression)
+    set(function "${type} make_${name}()")
+    tactnet_write_unit("${folder}/${name}.cpp" "${headers}" "${function}" "${expression}")
+    string(APPEND functions "${function};\n")
+    list(APPEND sources "${folder}/${name}.cpp")
+endmacro()
 
 function(tactnet_add_program target)
     cmake_parse_arguments(PARSE_ARGV 1 arg "" "CLASSES;HEADER;NAMESPACE" "NETWORKS;SIZES;TRUNKS;EIGHT_BIT")
@@ -77,11 +85,9 @@ function(tactnet_add_program target)
         string(MAKE_C_IDENTIFIER "${network}" alias)
         set(template "${namespace}::${alias}")
         set(type "${template}<tactnet::shape{${extents}, 1}, ${classes}>")
-        set(family touches)
         set(headers "#include <tactnet/networks.hpp>\n")
         set(training "${template}_training({${extents}})")
         if(network MATCHES "-nn$") # begins with weights learnt from photographs
-            set(family photographs)
             set(headers "#include <tactnet/transfer/as_photograph.hpp>\n#include <tactnet/transfer/networks.hpp>\n")
         endif()
         if(arg_HEADER)
@@ -89,41 +95,31 @@ function(tactnet_add_program target)
             set(training std::nullopt)
         endif()
         set(name "${alias}_${size}")
-        set(function "compiled_network make_${name}()")
-        # Two networks may be the same type at a size: the compiler finds out.
-        tactnet_write_unit(
-            "${folder}/${name}.cpp" "#include \"methods/networks/compile.hpp\"\n${headers}" "${${family}_${size}_functions}"
-            "${function}" "compile_network<${type}, ${template}<tactnet::shape{${extents}, 1}, 1>${${family}_${size}_twins}>()"
+        tactnet_add_unit(
+            "${name}" "#include \"methods/networks/compile.hpp\"\n${headers}" compiled_network
+            "compile_network<${type}, ${template}<tactnet::shape{${extents}, 1}, 1>>()"
         )
-        string(APPEND ${family}_${size}_functions "${function};\n")
-        string(APPEND ${family}_${size}_twins ", twin<${type}, make_${name}>")
-        string(APPEND functions "${function};\n")
-        list(APPEND sources "${folder}/${name}.cpp")
         list(APPEND compiled "${unit}")
         set(formats single_precision,32,)
         set(bytes nullptr)
         if("${unit}" IN_LIST eight_bit)
             list(APPEND formats eight_bit,8,_in_8_bits)
             set(bytes "make_${name}_in_8_bits()")
-            set(function "std::unique_ptr<compiled_eight_bit> ${bytes}")
-            tactnet_write_unit(
-                "${folder}/${name}_in_8_bits.cpp" "#include \"methods/networks/compile_eight_bit.hpp\"\n${headers}" ""
-                "${function}" "std::make_unique<eight_bit_code<${type}>>()"
+            tactnet_add_unit(
+                "${name}_in_8_bits" "#include \"methods/networks/compile_eight_bit.hpp\"\n${headers}"
+                "std::unique_ptr<compiled_eight_bit>" "std::make_unique<eight_bit_code<${type}>>()"
             )
-            string(APPEND functions "${function};\n")
-            list(APPEND sources "${folder}/${name}_in_8_bits.cpp")
             list(APPEND compiled "${unit}_in_8_bits")
         endif()
         string(APPEND calls "\n    methods.push_back(make_network_method(\"${network}\", make_${name}(), \"${template}\", ${training}, ${bytes}));")
         foreach(format IN LISTS formats)
             string(REGEX MATCH "(.*),(.*),(.*)" format "${format}")
-            set(view "tactnet::deployed<${type}, tactnet::${CMAKE_MATCH_1}>::view_type")
             set(frame "${folder}/frames/${name}${CMAKE_MATCH_3}.cpp")
             list(APPEND frames "${frame}")
             list(APPEND frame_networks "${network}/${size},${CMAKE_MATCH_2}")
             tactnet_write_unit(
-                "${frame}" "#include <tactnet/deployment.hpp>\n#include <tactnet/deployment/eight_bit.hpp>\n${headers}"
-                "using view = ${view};\n"
+                "${frame}"
+                "#include <tactnet/deployment.hpp>\n#include <tactnet/deployment/eight_bit.hpp>\n${headers}\nusing view = tactnet::deployed<${type}, tactnet::${CMAKE_MATCH_1}>::view_type;\n"
                 "tactnet::frame_status recognise(const view::packed_weights& weights, const std::uint8_t* counts, float* logits, view::workspace& memory) noexcept"
                 "view(weights).infer(tactnet::tensor_view<const std::uint8_t, view::input_shape>(counts), std::span<float, view::outputs>(logits, view::outputs), memory)"
             )
@@ -132,31 +128,27 @@ function(tactnet_add_program target)
     # Behind the networks: support vector machines and heads for images of each size.
     foreach(size IN LISTS all_sizes)
         string(REPLACE "x" ", " extents "${size}")
-        set(function "std::unique_ptr<image_features> make_surf_features_${size}()")
-        tactnet_write_unit(
-            "${folder}/surf_${size}.cpp" "#include \"methods/support_vector_machines/surf_features.hpp\"\n" "" "${function}"
-            "std::make_unique<surf_features<tactnet::shape{${extents}}>>()"
+        tactnet_add_unit(
+            "surf_${size}" "#include \"methods/support_vector_machines/surf_features.hpp\"\n"
+            "std::unique_ptr<image_features>" "std::make_unique<surf_features<tactnet::shape{${extents}}>>()"
         )
-        string(APPEND functions "${function};\n")
-        list(APPEND sources "${folder}/surf_${size}.cpp")
-        string(APPEND sizes "\n    add_methods_behind_features(methods, {${extents}}, make_surf_features_${size}, trunks);")
+        string(APPEND calls "\n    add_methods_behind_features(methods, {${extents}}, make_surf_${size}, trunks);")
     endforeach()
     # Trunks take photographs, which images of all sizes become.
     foreach(trunk IN LISTS trunks)
-        set(function "std::shared_ptr<const compiled_trunk> make_trunk_${trunk}()")
-        tactnet_write_unit(
-            "${folder}/trunk_${trunk}.cpp" "#include \"methods/trunks/compile.hpp\"\n" "" "${function}"
+        tactnet_add_unit(
+            "trunk_${trunk}" "#include \"methods/trunks/compile.hpp\"\n" "std::shared_ptr<const compiled_trunk>"
             "compile_trunk<trunks::${trunk}, ${classes}>()"
         )
-        string(APPEND functions "${function};\n")
-        list(APPEND sources "${folder}/trunk_${trunk}.cpp")
         string(APPEND trunk_calls "make_trunk_${trunk}(), ")
     endforeach()
     file(CONFIGURE OUTPUT "${folder}/method_list.cpp" CONTENT "// Generated: all methods that were compiled in.
-#include \"methods/method_list.hpp\"\n\n${functions}
+#include \"methods/networks/compiled.hpp\"\n#include \"methods/registry.hpp\"
+#include \"methods/support_vector_machines/features.hpp\"\n#include \"methods/trunks/compiled.hpp\"\n
+#include <tactnet/networks.hpp>\n#include <tactnet/transfer/networks.hpp>\n\n${functions}
 std::vector<std::unique_ptr<method>> make_methods() {
     const std::vector<std::shared_ptr<const compiled_trunk>> trunks{${trunk_calls}};
-    std::vector<std::unique_ptr<method>> methods;${calls}${sizes}
+    std::vector<std::unique_ptr<method>> methods;${calls}
     return methods;\n}\n" @ONLY)
 
     add_library(${target}_units OBJECT ${sources})

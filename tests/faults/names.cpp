@@ -74,7 +74,7 @@ finding strange_input(scene& s) {
     const ending end = s.run(chosen.command, under);
     if (!end.orderly())
         return s.aborted(end);
-    // A link to nothing may be a name to write to. What is no folder beside those of classes, and a folder
+    // A link to nothing may be a name to write to. What is no folder next to those of classes, and a folder
     // within one, are passed over, as is documented.
     const bool may_do = (what == "a dangling link" && chosen.place != "trap") ||
                         chosen.place == "data/left" ||
@@ -124,7 +124,7 @@ finding strange_output(scene& s) {
         s.made.tactnet({"export", "--weights", "net", "--output=" + name}),
         s.made.evaluate({"--results=" + name}),
         s.made.tactnet({"simulate", "--per-class", "1", "--out=" + name}),
-        s.made.train({"--epochs", "2", "--output", "other", "--plots=" + name}),
+        s.made.train({"--epochs", "2", "--output=" + name + "/net"}),
         s.made.train({"--epochs", "2", "--output", "other", "--checkpoint=" + name}),
     };
     const std::size_t which = s.below(writers.size());
@@ -137,7 +137,7 @@ finding strange_output(scene& s) {
     if (end.status != 0)
         return end.error.empty() ? s.silent("no message") : s.handled();
     if (end.error.find('\x1b') != std::string::npos || end.out.find('\x1b') != std::string::npos)
-        return s.silent("a terminal is told what to do");
+        return s.silent("a terminal gets control characters");
     if (which == 0 && bytes_of(s.folder / name) != bytes_of(s.made / "net"))
         return s.silent("other weights under a strange name");
     if (which < 4 && !fs::exists(s.folder / name))

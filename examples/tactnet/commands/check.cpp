@@ -5,14 +5,12 @@
 #include "data/folder_check.hpp"
 #include "methods/training_settings.hpp"
 #include "reports/report.hpp"
-#include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <memory>
-#include <printable.hpp>
 #include <string>
 #include <utility>
 #include <vector>

@@ -5,13 +5,11 @@
 #include "data/image_data.hpp"
 #include "methods/weights.hpp"
 #include "reports/report.hpp"
-#include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <memory>
-#include <printable.hpp>
 #include <string>
 #include <vector>
 

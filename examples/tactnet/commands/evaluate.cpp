@@ -11,7 +11,6 @@
 #include "reports/pictures.hpp"
 #include "study/page.hpp"
 #include "study/pictures.hpp"
-#include "usage_error.hpp"
 
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/svm/feature_rows.hpp>
@@ -29,7 +28,6 @@
 #include <iterator>
 #include <map>
 #include <memory>
-#include <printable.hpp>
 #include <set>
 #include <string>
 #include <string_view>
@@ -218,22 +216,12 @@ int evaluate_weights(const evaluate_options& o) {
 
     tactnet::thread_pool threads(o.jobs);
     const tactnet::evaluation result = weights.trained->evaluate(data.view(), chosen, threads);
-    const std::size_t bits = weights.trained->bits();
-    method_costs costs = what.costs(classes.size());
-    if (bits == 8)
-        costs.parameter_bytes = what.eight_bit_bytes(classes.size());
-    const pinned here;
-    const frame_latency times = measure_latency(what.make_work(bits), what.frames_together());
     plot_confusion(stem("confusion_"), o.weights.weights, result.confusion, classes);
-    print(table({{"method", "size", "images", "right", "accuracy, %", "loss", "parameters", "multiply-adds",
-                  "on pixels", "bytes", "µs/frame", "µs in batch"},
+    print(table({{"method", "size", "images", "right", "accuracy, %", "loss"},
                  {what.name, fmt::format("{}x{}", what.rows, what.columns),
                   fmt::to_string(result.confusion.total()), fmt::to_string(result.confusion.correct()),
                   fmt::format("{:.2f}", 100 * result.confusion.accuracy()),
-                  std::isnan(result.loss) ? "none" : fmt::format("{:.4f}", result.loss),
-                  grouped(costs.parameters), grouped(costs.multiply_adds),
-                  grouped(costs.multiply_adds_on_pixels), grouped(costs.parameter_bytes),
-                  fmt::format("{:.1f}", times.median), fmt::format("{:.1f}", times.in_batch)}}));
+                  std::isnan(result.loss) ? "none" : fmt::format("{:.4f}", result.loss)}}));
     const calibration probabilities = calibration_of(result, chosen, data, weights.scaling);
     if (!result.logits.empty()) {
         plot_reliability(stem("reliability_"), o.weights.weights, probabilities);

@@ -6,7 +6,6 @@
 #include "data/image_data.hpp"
 #include "files/output_files.hpp"
 #include "methods/weights.hpp"
-#include "usage_error.hpp"
 
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/svm/feature_rows.hpp>
@@ -42,7 +41,7 @@ std::vector<std::uint8_t> selftest_frames(const std::string& path, const method&
     return frame;
 }
 
-/// Of the output: a weight file, or a header.
+/// Whether the output is a weight file; else it is a header.
 bool is_weight_file(const export_options& o) {
     return o.output.ends_with(".safetensors");
 }

@@ -5,7 +5,6 @@
 #include "methods/registry.hpp"
 #include "number_options.hpp"
 #include "reports/report.hpp"
-#include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -16,7 +15,7 @@
 
 namespace {
 
-/// The most classes that a network can tell apart.
+/// The largest number of classes of a network.
 std::size_t most_classes() {
     std::size_t most = 2;
     for (const auto& m : all_methods())

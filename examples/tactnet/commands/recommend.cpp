@@ -5,7 +5,6 @@
 #include "files/line_file.hpp"
 #include "number_options.hpp"
 #include "reports/report.hpp"
-#include "usage_error.hpp"
 
 #include <tactnet/io/file_error.hpp>
 
@@ -96,7 +95,7 @@ int recommend(const recommend_options& o) {
                "{:.2f} µs and {} bytes",
                path.string(), fastest.method, fastest.rows, fastest.columns,
                fastest.bits == 8 ? " in 8 bits" : "", fastest.microseconds, fastest.bytes);
-    // A mean over few splits says little beside one over many.
+    // A mean over few splits cannot be compared with one over many.
     const std::size_t most = std::ranges::max_element(all, {}, &studied_network::splits)->splits;
     std::erase_if(all, [&](const studied_network& n) { return n.splits < most; });
     std::ranges::stable_sort(all, [](const auto& a, const auto& b) {

@@ -6,7 +6,6 @@
 #include "data/input_file.hpp"
 #include "files/output_files.hpp"
 #include "number_options.hpp"
-#include "usage_error.hpp"
 
 #include <tactnet/io/partial_file.hpp>
 #include <tactnet/io/read_file.hpp>
@@ -28,7 +27,6 @@
 #include <interrupt.hpp>
 #include <memory>
 #include <mutex>
-#include <printable.hpp>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -60,7 +58,7 @@ void check_note(const std::filesystem::path& note, const std::string& says) {
                                   tactnet::in_quotes(found, 200));
 }
 
-/// But for what a killed simulation left where the system knows no locks to tell that it is dead.
+/// But for what a killed simulation left where the system has no locks that would show that it is dead.
 bool is_as_good_as_empty(const std::filesystem::path& folder) {
     std::error_code code;
     const std::filesystem::directory_iterator entries(folder, code);
@@ -69,7 +67,7 @@ bool is_as_good_as_empty(const std::filesystem::path& folder) {
     });
 }
 
-/// A folder belongs to what it says of itself: one that was begun with the same settings is gone on with, any
+/// A folder belongs to what it says of itself: one that was begun with the same settings is continued, any
 /// other is left alone. The note comes first, so that whatever ends the program later leaves a folder to go
 /// on with.
 void claim_folder(const simulate_options& o) {
@@ -126,10 +124,9 @@ int simulate(const simulate_options& o) {
         const std::lock_guard lock(mutex);
         unsettled += !settled;
         ++done;
-        shown.show(fmt::format("{} of {} images, {} left", done, all,
-                               duration_text(watch.seconds() / static_cast<double>(done) *
-                                             static_cast<double>(all - done))),
-                   done == all);
+        shown.show(
+            fmt::format("{} of {} images, {}", done, all, time_left(watch.seconds(), done, all - done)),
+            done == all);
     };
     threads.on_each_thread([&](auto share) {
         try {

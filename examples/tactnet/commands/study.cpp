@@ -11,7 +11,6 @@
 #include "study/page.hpp"
 #include "study/pictures.hpp"
 #include "study/plan.hpp"
-#include "usage_error.hpp"
 
 #include <tactnet/io/write_file.hpp>
 
@@ -23,7 +22,6 @@
 #include <iterator>
 #include <map>
 #include <memory>
-#include <printable.hpp>
 #include <processor.hpp>
 #include <set>
 #include <string>

@@ -13,7 +13,6 @@
 #include "number_options.hpp"
 #include "reports/pictures.hpp"
 #include "reports/report.hpp"
-#include "usage_error.hpp"
 
 #include <tactnet/io/checkpoint.hpp>
 #include <tactnet/io/safetensors/source.hpp>
@@ -29,7 +28,6 @@
 #include <interrupt.hpp>
 #include <iterator>
 #include <memory>
-#include <printable.hpp>
 #include <stdexcept>
 #include <stopwatch.hpp>
 #include <string>
@@ -49,16 +47,15 @@ struct checkpoint_options {
 std::string progress_text(const std::vector<tactnet::epoch_report>& history, std::size_t epochs,
                           std::size_t images, std::size_t before, double seconds) {
     const tactnet::epoch_report& e = history.back();
-    const double done = static_cast<double>(e.epoch - before);
-    const double left = seconds / done * static_cast<double>(epochs - e.epoch);
+    const std::size_t done = e.epoch - before;
     std::string text = fmt::format("epoch {} of {}, loss {:.4f}", e.epoch, epochs, e.loss);
     const auto validated = std::find_if(history.rbegin(), history.rend(), [](const auto& past) {
         return !std::isnan(past.validation_accuracy);
     });
     if (validated != history.rend())
         text += fmt::format(", validation {:.1f} %", 100 * validated->validation_accuracy);
-    return text + fmt::format(", {:.0f} images/s, {} left", static_cast<double>(images) * done / seconds,
-                              duration_text(left));
+    return text + fmt::format(", {:.0f} images/s, {}", static_cast<double>(images * done) / seconds,
+                              time_left(seconds, done, epochs - e.epoch));
 }
 
 /// Empty, or why the checkpoint could not be written.
@@ -149,7 +146,7 @@ bool run_epochs(network_training& training, std::size_t epochs, const checkpoint
 
 struct train_options {
     training_settings training;
-    std::string data, method = default_method(), split = "random", output, checkpoint, plots;
+    std::string data, method = default_method(), split = "random", output, checkpoint;
     std::uint64_t seed = 0;
     std::size_t threads = 1; // more pay on an idle machine only: their barriers wait for every core
     std::size_t selftest = 4;
@@ -187,21 +184,19 @@ output_files files_for(const method& what, const train_options& o) {
     if (!what.is_network() && o.resume)
         refuse("--resume: expected a network, found {}, which is trained in one go", o.method);
     const std::filesystem::path weights = o.output;
-    const std::filesystem::path folder =
-        o.plots.empty() ? weights.parent_path() : std::filesystem::path(o.plots);
     output_files files{weights, o.checkpoint.empty() ? o.output + ".checkpoint" : o.checkpoint,
-                       o.output + ".features", folder / weights.stem()};
-    const std::string option = o.plots.empty() ? "--output" : "--plots", reports = files.reports.string();
+                       o.output + ".features", weights.parent_path() / weights.stem()};
+    const std::string reports = files.reports.string();
     std::vector<named_file> outputs{{"--output", files.weights}}, more;
-    std::vector<named_file> claimed{{"--output", files.weights}, {option, reports + ".confusion"}};
+    std::vector<named_file> claimed{{"--output", files.weights}, {"--output", reports + ".confusion"}};
     if (what.is_network()) {
         outputs.push_back({"--checkpoint", files.checkpoint});
         claimed.push_back(outputs.back());
-        more = picture_files(option, reports + ".learning");
+        more = picture_files("--output", reports + ".learning");
     }
     if (what.keeps_features())
         outputs.push_back({"--output", files.features});
-    std::ranges::move(picture_files(option, reports + ".confusion"), std::back_inserter(more));
+    std::ranges::move(picture_files("--output", reports + ".confusion"), std::back_inserter(more));
     std::ranges::move(more, std::back_inserter(outputs));
     check_regular(outputs);
     check_outputs({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs, o.data);
@@ -283,24 +278,21 @@ std::string finish(const train_options& o, const output_files& files, const imag
 bool written(const std::filesystem::path& weights, const tactnet::file_metadata& settings) {
     try {
         const tactnet::safetensors file = tactnet::safetensors::read(weights);
-        return file.checksum() == tactnet::checksum_state::verified &&
-               std::ranges::all_of(settings, [&](const auto& setting) {
-                   const auto found = file.metadata().find(setting.first);
-                   return found != file.metadata().end() && found->second == setting.second;
-               });
+        require_metadata(file, settings);
+        return file.checksum() == tactnet::checksum_state::verified;
     } catch (const tactnet::file_error&) { // none, or half of one
         return false;
     }
 }
 
-/// Trains. Returns false if interrupted: what is there goes on with the same command.
+/// Trains. Returns false if interrupted: the same command then continues.
 bool run(training_run& training, const train_options& o, std::size_t epochs,
          const checkpoint_options& checkpoint) {
     if (auto* by_epochs = dynamic_cast<network_training*>(&training))
         return run_epochs(*by_epochs, epochs, checkpoint);
     try {
         training.advance();
-    } catch (const std::invalid_argument& error) { // nothing to tell apart, nothing to describe
+    } catch (const std::invalid_argument& error) { // a single class, or nothing to describe
         refuse("{}: {}", o.data, error.what());
     }
     return !interrupted(); // which is looked at only where features were computed before
@@ -391,8 +383,6 @@ command add_train(CLI::App& program) {
         app->add_flag("--resume", o->resume, "Go on from the checkpoint, to the same bits as in one go");
     app->add_flag("--afresh", o->afresh, "Start anew though there is a checkpoint, and give that up")
         ->excludes(resume);
-    app->add_option("--plots", o->plots,
-                    "Folder for curves and confusion matrix (default: that of the weight file)");
     app->add_option("--self-test", o->selftest,
                     "Made-up images kept in the weight file with what came of them; loading checks them")
         ->check(whole_number(0, 100));

@@ -16,14 +16,14 @@ struct checked_image {
     std::size_t label = 0;
     std::string unreadable{}; ///< why it cannot be read; then nothing of what follows is known
     std::size_t rows = 0, columns = 0;
-    std::size_t pressed = 0, full = 0; ///< tactels above 0, and at 255, where a sensor tells no more
+    std::size_t pressed = 0, full = 0; ///< tactels above 0, and at 255, where a sensor saturates
     bool one_value = false;            ///< all tactels are alike
     std::uint64_t pixels = 0;          ///< their fingerprint
 
     bool readable() const { return unreadable.empty(); }
     /// No contact, or a sensor that does not work.
     bool empty() const { return readable() && one_value && full == 0; }
-    /// Half of what is pressed, or more, is beyond what the sensor can tell.
+    /// At least half of the pressed tactels are at the sensor's maximum.
     bool saturated() const { return readable() && full > 0 && 2 * full >= pressed; }
 };
 
@@ -38,7 +38,7 @@ struct folder_check {
     bool within_a_class(const std::pair<std::size_t, std::size_t>& copy) const {
         return images[copy.first].label == images[copy.second].label;
     }
-    /// Of the pixels of all images and of which are of one class: names and order do not matter.
+    /// Depends on the pixels of all images and on which are of one class, not on names or order.
     std::uint64_t fingerprint() const;
 };
 

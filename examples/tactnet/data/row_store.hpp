@@ -1,7 +1,7 @@
 #pragma once
 
 // Rows of numbers in a file that grows while they are found. Each carries a checksum, so that a program that
-// is stopped, however that happens, goes on with the rows that are missing.
+// is stopped, however that happens, continues with the rows that are missing.
 
 #include <tactnet/io/model_file.hpp>
 
@@ -18,8 +18,8 @@ public:
     enum class found { nothing, these_rows, others };
 
     /// Opens or makes a file for `rows` rows of `size` numbers; `settings` are all that decides the numbers.
-    /// `is_ours`: whether nobody else can have made a file of that name. One program at a time may look and
-    /// write: see claims. Throws tactnet::file_error.
+    /// `is_ours`: whether no other program can have made a file of that name. One program at a time may look
+    /// and write: see claims. Throws tactnet::file_error.
     row_store(const std::filesystem::path& path, const tactnet::file_metadata& settings, std::size_t rows,
               std::size_t size, bool is_ours);
     row_store(const row_store&) = delete;

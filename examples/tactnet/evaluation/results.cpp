@@ -164,7 +164,7 @@ result_list::result_list(std::filesystem::path path) : file_(std::move(path)) {
 
 void result_list::read_on() {
     file_.read_on("a result of tactnet evaluate", [&](const std::string& line) {
-        keep(result_of(line)); // one's own come back
+        keep(result_of(line)); // including those of this program
     });
 }
 

@@ -6,7 +6,6 @@
 #include "methods/description.hpp"
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
-#include "usage_error.hpp"
 
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/training/loop.hpp>
@@ -61,8 +60,10 @@ training_result result_of(const trained_method& trained, const image_data& data,
     result.confusion = test.confusion;
     if (const auto scaling = fit_temperature(validation, validation_images, data))
         result.calibration = calibration_of(test, test_images, data, *scaling);
-    if (const auto reflected = trained.evaluate_reflections(data.view(), test_images, alone))
-        result.reflected_accuracy = reflected->confusion.accuracy();
+    if (trained.averages_reflections())
+        result.reflected_accuracy =
+            trained.evaluate(data.view(), test_images, alone, tactnet::test_time_augmentation::reflections)
+                .confusion.accuracy();
     result.validation_accuracy = validation.confusion.accuracy();
     result.training_accuracy = evaluated(training_images).confusion.accuracy();
     return result;
@@ -106,62 +107,15 @@ std::string title_of(const task& t) {
                        name_of(t.rule), t.seed);
 }
 
-/// The trainings that are left, given out so that no two programs on one folder of results do the same.
-class task_queue {
-public:
-    task_queue(const std::vector<task>& tasks, result_list& results) : results_(results) {
-        for (const task& t : tasks)
-            left_.push_back(&t);
-    }
-
-    enum class answer { work, wait, nothing_left };
-    /// What to do next: `next` is then this program's until `done`. While other programs do all that is left
-    /// the answer is to wait: their results are read when they are there, and what a program that ended has
-    /// left undone is done here.
-    answer ask(const task*& next) {
-        for (auto t = left_.begin(); t != left_.end();) {
-            if (!claims_.take(name_for(**t))) {
-                ++t;
-                continue;
-            }
-            // Under the claim: another program may have finished it since the list was read.
-            results_.read_on();
-            next = *t;
-            t = left_.erase(t);
-            if (results_.find(next->settings) == nullptr)
-                return answer::work;
-            done(*next);
-            ++from_others_;
-        }
-        return left_.empty() ? answer::nothing_left : answer::wait;
-    }
-    void done(const task& finished) { claims_.release(name_for(finished)); }
-
-    std::size_t left() const { return left_.size(); }
-    /// How many results other programs have brought.
-    std::size_t from_others() const { return from_others_; }
-
-private:
-    std::filesystem::path name_for(const task& t) const {
-        fingerprint print;
-        for (const auto& [key, value] : t.settings) {
-            print.add(key);
-            print.add(value);
-        }
-        return results_.path().parent_path() / print.text();
-    }
-
-    std::list<const task*> left_;
-    result_list& results_;
-    claims claims_;
-    std::size_t from_others_ = 0;
-};
-
-/// What the workers share.
+/// What the workers share: the trainings that are left, given out so that no two programs on one folder of
+/// results do the same.
 class side_by_side {
 public:
     side_by_side(const std::vector<task>& tasks, result_list& results, std::vector<std::string>* diverged)
-        : all_(tasks.size()), results_(results), queue_(tasks, results), diverged_(diverged) {}
+        : all_(tasks.size()), results_(results), diverged_(diverged) {
+        for (const task& t : tasks)
+            left_.push_back(&t);
+    }
 
     /// One worker, until nothing is left, a training has failed, or someone interrupts.
     void work() noexcept {
@@ -191,19 +145,40 @@ private:
         while (!failed_ && !interrupted()) {
             {
                 const std::lock_guard lock(mutex_);
-                const task* mine = nullptr;
-                const task_queue::answer answer = queue_.ask(mine);
-                if (answer != task_queue::answer::wait)
-                    return answer == task_queue::answer::work ? mine : nullptr;
+                if (const task* const mine = claim_one(); mine != nullptr || left_.empty())
+                    return mine;
                 if (!std::exchange(told_, true)) {
                     line_.end_line();
                     tell("waiting for {} trainings that other programs do in this folder of results\n",
-                         queue_.left());
+                         left_.size());
                 }
             }
             std::this_thread::sleep_for(std::chrono::milliseconds(200));
         }
         return nullptr;
+    }
+    /// A training that is this program's until it is released. Nothing while other programs do all that is
+    /// left: their results are read when they are there, and what a program that ended has left undone is
+    /// done here.
+    const task* claim_one() {
+        for (auto t = left_.begin(); t != left_.end();) {
+            const task* const mine = *t;
+            if (!claims_.take(name_for(*mine))) {
+                ++t;
+                continue;
+            }
+            // Under the claim: another program may have finished it since the list was read.
+            results_.read_on();
+            t = left_.erase(t);
+            if (results_.find(mine->settings) == nullptr)
+                return mine;
+            claims_.release(name_for(*mine));
+            ++from_others_;
+        }
+        return nullptr;
+    }
+    std::filesystem::path name_for(const task& t) const {
+        return results_.path().parent_path() / fingerprint_of(t.settings);
     }
     /// False if it was interrupted.
     bool do_one(const task& t) {
@@ -219,7 +194,7 @@ private:
                 throw tactnet::training_diverged(what);
             const std::lock_guard lock(mutex_);
             diverged_->push_back(what);
-            queue_.done(t);
+            claims_.release(name_for(t));
             ++done_;
             return true;
         }
@@ -230,12 +205,11 @@ private:
         for (training_result& result : results)
             if (results_.find(result.settings) == nullptr) // single precision may be there from before
                 results_.add(std::move(result));
-        queue_.done(t);
+        claims_.release(name_for(t));
         ++done_;
-        const std::size_t done = done_ + queue_.from_others();
-        const double left = watch_.seconds() / static_cast<double>(done_) * static_cast<double>(all_ - done);
-        line_.show(fmt::format("{} of {} trainings, {}: {:.2f} %, {} left", done, all_, title_of(t),
-                               100 * accuracy, duration_text(left)),
+        const std::size_t done = done_ + from_others_;
+        line_.show(fmt::format("{} of {} trainings, {}: {:.2f} %, {}", done, all_, title_of(t),
+                               100 * accuracy, time_left(watch_.seconds(), done_, all_ - done)),
                    done == all_);
     }
     void fail(std::exception_ptr failure) noexcept {
@@ -249,8 +223,10 @@ private:
     stopwatch watch_;
     std::mutex mutex_; ///< of what follows
     result_list& results_;
-    task_queue queue_;
-    bool told_ = false; ///< that it waits
+    std::list<const task*> left_;
+    claims claims_;
+    std::size_t from_others_ = 0; ///< results that other programs have brought
+    bool told_ = false;           ///< that it waits
     std::vector<std::string>* const diverged_;
     std::exception_ptr failure_;
     std::size_t done_ = 0;

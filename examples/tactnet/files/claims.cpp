@@ -20,7 +20,7 @@ namespace {
 constexpr std::string_view lock_prefix = ".tactnet-", lock_suffix = ".lock";
 constexpr std::size_t lock_digits = 16;
 
-/// A hidden file beside it, whose name is never too long.
+/// A hidden file in the same folder, whose name is never too long.
 std::string lock_file_of(const std::filesystem::path& path) {
     std::error_code code;
     std::filesystem::path whole = std::filesystem::weakly_canonical(path, code);
@@ -45,7 +45,7 @@ bool has_name(int descriptor, const std::string& name) {
 }
 
 void remove_and_close(const std::string& file, int descriptor) noexcept {
-    ::unlink(file.c_str()); // while it is locked, so that nobody else's is removed
+    ::unlink(file.c_str()); // while it is locked, so that no other program's is removed
     ::close(descriptor);
 }
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 /// Holds names that no other program may hold: files that it will write, or work that it does. The lock of a
-/// name is a hidden empty file beside it. Claims end with the program, however that ends; the file that a
-/// killed one leaves is taken over by the next claim. Where the file system knows no locks, or the folder
-/// takes no file, every claim is granted.
+/// name is a hidden empty file in the same folder. Claims end with the program, however that ends; the file
+/// that a killed one leaves is taken over by the next claim. Where the file system knows no locks, or the
+/// folder takes no file, every claim is granted.
 class claims {
 public:
     claims() = default;

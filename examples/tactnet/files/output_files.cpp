@@ -1,7 +1,7 @@
 #include "files/output_files.hpp"
 
+#include "console.hpp"
 #include "files/claims.hpp"
-#include "usage_error.hpp"
 
 #include <tactnet/io/partial_file.hpp>
 #include <tactnet/text/quoting.hpp>
@@ -11,7 +11,6 @@
 #include <cerrno>
 #include <cstddef>
 #include <iterator>
-#include <printable.hpp>
 #include <set>
 #include <sys/stat.h>
 #include <system_error>
@@ -74,7 +73,7 @@ void check_outside_classes(const fs::path& data, const std::vector<named_file>& 
     const fs::path folder = resolved(data / ".");
     for (const named_file& output : outputs) {
         const fs::path inside = resolved(output.path).lexically_relative(folder);
-        // Hidden folders are no classes; a file beside the classes' folders is none either.
+        // Hidden folders are no classes; nor is a file next to the classes' folders.
         if (std::distance(inside.begin(), inside.end()) < 2 || inside.begin()->string().starts_with('.'))
             continue;
         refuse("{}: expected a place outside the folders of classes, since what is "

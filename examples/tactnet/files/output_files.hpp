@@ -18,7 +18,8 @@ struct named_file {
 void check_outputs(const std::vector<named_file>& inputs, const std::vector<named_file>& outputs,
                    const std::filesystem::path& data = {});
 
-/// Throws usage_error where one is a device or a pipe: other files go beside it, and some are removed.
+/// Throws usage_error where one is a device or a pipe: other files are written next to it, and some are
+/// removed.
 void check_regular(const std::vector<named_file>& outputs);
 
 /// What drawing a picture leaves: STEM.csv and others.

@@ -93,6 +93,15 @@ std::string_view program_instruction_set() {
     return tactnet::instruction_set; // on another one the same training rounds differently
 }
 
+std::string fingerprint_of(const tactnet::file_metadata& settings) {
+    fingerprint print;
+    for (const auto& [key, value] : settings) {
+        print.add(key);
+        print.add(value);
+    }
+    return print.text();
+}
+
 std::string pretrained_fingerprint(const std::string& path) {
     static std::mutex mutex;
     static std::map<std::string, std::string> known;

@@ -18,10 +18,13 @@ tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe);
 /// Throws tactnet::file_error unless the metadata of a file say all of this.
 void require_metadata(const tactnet::safetensors& file, const tactnet::file_metadata& expected);
 
+/// Differs when any of it differs.
+std::string fingerprint_of(const tactnet::file_metadata& settings);
+
 /// Differs when any byte of the file differs. Computed once for each name while the program runs.
 std::string pretrained_fingerprint(const std::string& path);
 
-/// As the library names it, for example simd_avx2_fma; sse2 or scalar in it tells of a forgotten -march.
+/// As the library names it, for example simd_avx2_fma; sse2 or scalar in it shows a forgotten -march.
 std::string_view program_instruction_set();
 
 /// What decides how this program rounds: its version, and the instruction set that it was compiled for.

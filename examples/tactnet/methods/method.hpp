@@ -3,18 +3,19 @@
 // A method is what --method names: a network or a support vector machine, at one size. The program knows it
 // by names and virtual functions; what only networks can do is in interfaces of their own.
 
-#include "methods/pretrained.hpp"
-
 #include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/deployment/export/header_description.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/networks/published.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
+#include <tactnet/tensor/shape.hpp>
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/evaluate.hpp>
 #include <tactnet/training/recipe.hpp>
 #include <tactnet/training/trainer.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -26,6 +27,51 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+struct image_data;
+
+/// A network that others have trained on photographs, which methods begin with.
+struct photograph_network {
+    std::string_view name;        ///< in the names of methods: "squeezenet"
+    std::string_view title;       ///< in sentences: "SqueezeNet 1.1"
+    std::string_view torchvision; ///< what makes it there: "squeezenet1_1"
+    tactnet::shape photograph;    ///< what it was trained on
+};
+
+namespace photograph_networks {
+
+inline constexpr photograph_network squeezenet{
+    "squeezenet", "SqueezeNet 1.1", "squeezenet1_1", {227, 227, 3}},
+    alexnet{"alexnet", "AlexNet", "alexnet", {224, 224, 3}},
+    resnet50{"resnet50", "ResNet-50", "resnet50", {224, 224, 3}},
+    vgg16{"vgg16", "VGG16", "vgg16", {224, 224, 3}};
+
+inline constexpr std::array all{squeezenet, alexnet, resnet50, vgg16};
+
+} // namespace photograph_networks
+
+/// The file that a method needs, for sentences.
+struct pretrained_file {
+    photograph_network network;
+    std::string array; ///< one that must be in it: "features.0.weight"
+    std::size_t bytes; ///< that its arrays take in single precision
+};
+
+/// Where features of images are kept.
+struct feature_place {
+    std::filesystem::path path;
+    bool is_folder; ///< of files that are named by what is in them; else one file, by this name
+};
+
+/// Such a file, opened by a method and found to fit it.
+class pretrained_weights {
+public:
+    virtual ~pretrained_weights() = default;
+    /// Computes what all trainings on these images have in common, and keeps it in `place`, where another
+    /// call goes on however this one was stopped. Returns false if it was interrupted. The images must
+    /// outlive this.
+    virtual bool prepare(const image_data&, const feature_place&, tactnet::thread_pool&) { return true; }
+};
 
 /// What one frame costs, in a method for a number of classes.
 struct method_costs {
@@ -43,14 +89,14 @@ constexpr method_costs costs_of() {
             Network::parameter_bytes, Network::activation_bytes};
 }
 
-/// Recognises as many frames as it is told, together, on one thread: what is timed. The first call with a
+/// Recognises that many frames together, on one thread: what is timed. The first call with a
 /// number makes room for as many.
 using frame_work = std::function<void(std::size_t frames)>;
 
 /// What an image was taken for. Not tactnet::recognition, whose probability not every method has.
 struct scored_class {
     std::size_t label = 0;
-    /// Of a network: the probability. Of a support vector machine: the smallest decision value in favour of
+    /// The probability of a network, or a support vector machine's smallest decision value in favour of
     /// the class, which has no upper bound and is above 0 where no decision went against it.
     double score = 0;
 };
@@ -70,19 +116,16 @@ public:
     virtual ~trained_method() = default;
     /// Its parameters, of a network in single precision; else null.
     virtual const any_model* model() const { return nullptr; }
-    /// Of a weight: 8, or 32 in single precision.
+    /// Bits of a weight: 8, or 32 in single precision.
     virtual std::size_t bits() const { return 32; }
     virtual const std::vector<std::string>& classes() const = 0;
+    /// Whether it averages the answers to an image and its reflections, if asked.
+    virtual bool averages_reflections() const { return false; }
     /// The loss of a support vector machine is NaN, and it has no logits.
-    virtual tactnet::evaluation evaluate(const tactnet::labelled_images& images,
-                                         std::span<const std::size_t> chosen,
-                                         tactnet::thread_pool& threads) const = 0;
-    /// With the answers to an image and its reflections averaged; nothing for a method that does not do that.
-    virtual std::optional<tactnet::evaluation> evaluate_reflections(const tactnet::labelled_images&,
-                                                                    std::span<const std::size_t>,
-                                                                    tactnet::thread_pool&) const {
-        return std::nullopt;
-    }
+    virtual tactnet::evaluation
+    evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
+             tactnet::thread_pool& threads,
+             tactnet::test_time_augmentation how = tactnet::test_time_augmentation::none) const = 0;
     /// Of images that are stored one after the other. The scaling is of a network's probabilities.
     virtual std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
                                                 const tactnet::temperature_scaling& scaling,
@@ -98,9 +141,9 @@ public:
     /// std::invalid_argument for weights that cannot be deployed.
     virtual std::string header(const tactnet::header_description& says,
                                std::span<const std::uint8_t> frame) const = 0;
-    /// Of a network that has just become one in 8 bits: what that did to its outputs, as a sentence.
+    /// For a network that was just converted to 8 bits, what that did to its outputs, as a sentence.
     virtual std::string calibration() const { return {}; }
-    /// The same in 8 bits, for methods that have has_eight_bit_form; the chosen images tell what numbers its
+    /// The same in 8 bits, for methods that have has_eight_bit_form; the chosen images set the ranges of its
     /// maps hold. Throws std::invalid_argument for weights that cannot be deployed so.
     virtual std::unique_ptr<trained_network> in_eight_bits(const tactnet::labelled_images&,
                                                            std::span<const std::size_t>) const {
@@ -120,7 +163,7 @@ public:
     virtual std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const = 0;
 };
 
-/// One by epochs, which can be stopped and gone on with.
+/// One by epochs, which can be stopped and resumed.
 class network_training : public training_run {
 public:
     virtual const std::vector<tactnet::epoch_report>& history() const = 0;
@@ -145,7 +188,7 @@ public:
 
     const std::string name;
     const std::size_t rows, columns;
-    const std::size_t capacity; ///< the most classes it can tell apart
+    const std::size_t capacity; ///< the largest number of classes
     const std::optional<tactnet::published_training> published;
 
     /// Not a support vector machine.
@@ -155,12 +198,12 @@ public:
     virtual std::string declaration() const { return {}; }
     /// What it is, for sentences.
     virtual std::string_view kind() const { return is_network() ? "network" : "support vector machine"; }
-    /// Of a network: the recipe that did best, or the authors' where none was looked for.
+    /// For a network, the recipe that did best, or the authors' if none was looked for.
     virtual tactnet::recipe default_recipe() const { return tactnet::recipe::default_for(rows, columns); }
     /// What it is made of, where its name does not say it: features, settings of a machine, a user's layers.
     virtual tactnet::file_metadata parts() const { return {}; }
     virtual method_costs costs(std::size_t classes) const = 0;
-    /// Of all its parameters those that a training changes.
+    /// The number of parameters that a training changes.
     virtual std::size_t learnable(std::size_t classes) const { return costs(classes).parameters; }
     /// Whether its training varies images of that size as they were taken.
     virtual bool augment_full_resolution(const tactnet::shape&) const { return false; }
@@ -169,13 +212,13 @@ public:
     virtual bool may_have_eight_bit_form() const { return false; }
     /// Bytes of weights of 8 bits with all that belongs to them.
     virtual std::size_t eight_bit_bytes(std::size_t) const { return 0; }
-    /// With weights by chance, since none may be at hand; of 8 bits only with has_eight_bit_form.
+    /// With random weights, since there may be no others; in 8 bits only with has_eight_bit_form.
     virtual frame_work make_work(std::size_t bits = 32) const = 0;
-    /// How many frames it is timed with beside a single one. Of photographs no more pass together.
+    /// The size of the batch that is timed in addition to a single frame. Photographs pass in batches of 16.
     std::size_t frames_together() const { return pretrained() ? 16 : 64; }
     /// The network that others have trained on photographs and that it begins with, if it does.
     virtual std::optional<pretrained_file> pretrained() const { return std::nullopt; }
-    /// Whether what that makes of images is found once, and kept: where it is not trained on.
+    /// Whether its features of images are computed once and kept, since it is not trained.
     virtual bool keeps_features() const { return false; }
     /// Opens the file of it. Throws tactnet::file_error; for methods that need one alone.
     virtual std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path&) const {

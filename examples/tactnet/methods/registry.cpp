@@ -1,6 +1,6 @@
 #include "methods/registry.hpp"
 
-#include "usage_error.hpp"
+#include "console.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

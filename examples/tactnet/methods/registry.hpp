@@ -19,10 +19,10 @@ const std::vector<std::unique_ptr<method>>& all_methods();
 /// Throws usage_error with what there is.
 const method& find_method(std::string_view name, std::size_t rows, std::size_t columns);
 
-/// Throws tactnet::file_error when a data folder has more classes than the method can tell apart.
+/// Throws tactnet::file_error when a data folder has more classes than the method.
 void check_capacity(const method& what, const std::string& data, std::size_t classes);
 
-/// What is trained where nobody says which.
+/// The method that is trained unless the user names one.
 std::string default_method();
 
 /// Each once: "tactnet4, tactnet6, …".

@@ -1,7 +1,7 @@
 #include "methods/training_settings.hpp"
 
+#include "console.hpp"
 #include "number_options.hpp"
-#include "usage_error.hpp"
 
 #include <CLI/CLI.hpp>
 

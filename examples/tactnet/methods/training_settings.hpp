@@ -1,6 +1,6 @@
 #pragma once
 
-// What a user may choose about a training, and what becomes of it.
+// What a user may choose about a training, and the recipe that follows from it.
 
 #include "methods/method.hpp"
 
@@ -51,7 +51,7 @@ std::string_view name_of(tactnet::split_rule rule);
 
 /// What --recipe takes.
 const std::vector<std::string>& recipe_names();
-/// Whether it can be trained by the thorough recipe: a network that begins by chance.
+/// Whether it can be trained by the thorough recipe: a network that starts from random weights.
 bool may_be_thorough(const method& what);
 
 /// Whether some setting is one of a training by epochs, which support vector machines do not have.

@@ -6,7 +6,6 @@
 #include "methods/registry.hpp"
 #include "methods/trunks/compiled.hpp"
 #include "number_options.hpp"
-#include "usage_error.hpp"
 
 #include <tactnet/text/quoting.hpp>
 
@@ -15,7 +14,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <printable.hpp>
 #include <span>
 #include <stdexcept>
 #include <system_error>
@@ -50,7 +48,7 @@ void add_weight_options(CLI::App& command, weight_options& o, bool required) {
 
 namespace {
 
-/// The file as it is; of one that holds a trunk, what stands beside that.
+/// The file as it is; if it holds a trunk, without that.
 weight_file read_weight_file(const std::string& path) {
     std::shared_ptr<tactnet::safetensors_source> source;
     std::error_code code;
@@ -58,7 +56,7 @@ weight_file read_weight_file(const std::string& path) {
         try {
             source = std::make_shared<tactnet::safetensors_source>(
                 tactnet::safetensors_source::open(path, tactnet::checksum_rule::ignore));
-        } catch (const tactnet::file_error&) { // told below
+        } catch (const tactnet::file_error&) { // reported below
         }
     }
     const auto is_of_trunk = [](const std::string& name) { return name.starts_with(trunk_prefix); };

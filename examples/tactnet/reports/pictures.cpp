@@ -4,55 +4,23 @@
 #include "files/output_files.hpp"
 #include "reports/report.hpp"
 
+#include <tactnet/io/file_error.hpp>
 #include <tactnet/io/write_file.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
 #include <map>
-#include <memory>
-#include <printable.hpp>
-#include <spawn.h>
 #include <string_view>
 #include <sys/wait.h>
 #include <system_error>
-#include <unistd.h>
+#include <utility>
 
 namespace {
-
-/// A file without a name, for a child's standard stream.
-class nameless_file {
-public:
-    explicit nameless_file(std::string_view text = {}) : file_(std::tmpfile()) {
-        if (file_ && !text.empty() &&
-            std::fwrite(text.data(), 1, text.size(), file_.get()) == text.size()) // not of a null pointer
-            std::fflush(file_.get());
-        if (file_)
-            std::rewind(file_.get());
-    }
-    bool open() const { return file_ != nullptr; }
-    int descriptor() const { return ::fileno(file_.get()); }
-    /// All that the child has written.
-    std::string text() {
-        std::rewind(file_.get());
-        std::string all;
-        char some[65536];
-        for (std::size_t count = 0; (count = std::fread(some, 1, sizeof(some), file_.get())) > 0;)
-            all.append(some, count);
-        return all;
-    }
-
-private:
-    struct closer {
-        void operator()(std::FILE* file) const { std::fclose(file); }
-    };
-    std::unique_ptr<std::FILE, closer> file_;
-};
 
 bool is_whole(std::string_view bytes, std::string_view format) {
     using namespace std::string_view_literals;
@@ -73,13 +41,6 @@ std::string first_line(std::string_view words) {
     return "";
 }
 
-drawn_picture not_run(int error) {
-    return {{},
-            error == ENOENT
-                ? "gnuplot was not found"
-                : fmt::format("gnuplot could not be run ('{}')", std::generic_category().message(error))};
-}
-
 /// A slash after each.
 std::string joined(const std::vector<std::string>& names) {
     std::string all;
@@ -91,70 +52,72 @@ std::string joined(const std::vector<std::string>& names) {
 /// A word of the shell.
 std::string shell_word(std::string_view text) {
     std::string result = "'";
-    for (const char c : printable(text))
+    for (const char c : text)
         result += c == '\'' ? std::string("'\\''") : std::string(1, c);
     return result + "'";
+}
+
+/// The command of the shell that writes a picture to the standard output.
+std::string command_for(const std::string& script, const std::string& csv, const std::string& format,
+                        const picture_titles& titles) {
+    return fmt::format("gnuplot -c {} {} {} {} {}", shell_word(script), shell_word(csv), format,
+                       shell_word(printable(titles.title)), shell_word(joined(titles.names)));
+}
+
+/// What a command of the shell writes to its standard output, and its exit status.
+std::pair<std::string, int> output_of(const std::string& command) {
+    std::FILE* const pipe = ::popen(command.c_str(), "r");
+    if (pipe == nullptr)
+        return {"", -1};
+    std::string all;
+    char some[65536];
+    for (std::size_t count = 0; (count = std::fread(some, 1, sizeof(some), pipe)) > 0;)
+        all.append(some, count);
+    const int status = ::pclose(pipe);
+    return {std::move(all), status != -1 && WIFEXITED(status) ? WEXITSTATUS(status) : -1};
 }
 
 } // namespace
 
 drawn_picture draw(const std::string& script, const std::filesystem::path& csv, const std::string& format,
                    const picture_titles& titles) {
-    // Files in place of pipes: neither side waits for the other.
-    nameless_file in(embedded(script)), out, error;
-    if (!in.open() || !out.open() || !error.open())
-        return not_run(errno);
-    std::vector<std::string> words{"gnuplot",
-                                   "-c",
-                                   "/dev/stdin",
-                                   std::filesystem::absolute(csv).string(),
-                                   format,
-                                   printable(titles.title),
-                                   joined(titles.names)};
-    std::vector<char*> arguments;
-    for (std::string& word : words)
-        arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    if (const int code = posix_spawn_file_actions_init(&actions); code != 0)
-        return not_run(code);
-    posix_spawn_file_actions_adddup2(&actions, in.descriptor(), STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, out.descriptor(), STDOUT_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, error.descriptor(), STDERR_FILENO);
-    pid_t child = 0;
-    const int code = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (code != 0)
-        return not_run(code);
-    int status = 0;
-    while (::waitpid(child, &status, 0) != child)
-        if (errno != EINTR)
-            return not_run(errno);
-    drawn_picture result{out.text(), {}};
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && is_whole(result.picture, format))
-        return result;
-    const std::string line = first_line(error.text());
+    const std::string command =
+        command_for("/dev/stdin", std::filesystem::absolute(csv).string(), format, titles);
+    const auto run = [&](const char* streams) {
+        return output_of(
+            fmt::format("{} {} <<'end of script'\n{}\nend of script\n", command, streams, embedded(script)));
+    };
+    auto [picture, status] = run("2>/dev/null");
+    if (status == 0 && is_whole(picture, format))
+        return {std::move(picture), {}};
+    if (status == 127) // by convention of the shell
+        return {{}, "gnuplot was not found"};
+    const std::string line = first_line(run("2>&1 >/dev/null").first);
     return {{}, "gnuplot did not draw it" + (line.empty() ? "" : " ('" + line + "')")};
 }
 
 void draw_picture(const std::string& script, const std::filesystem::path& stem, const std::string& csv,
                   const picture_titles& titles) {
     const auto file = [&](const char* ending) { return std::filesystem::path(stem) += ending; };
-    const auto word = [&](const char* ending) { return shell_word("./" + file(ending).filename().string()); };
+    const auto name = [&](const char* ending) { return printable("./" + file(ending).filename().string()); };
     make_folder_of(stem);
     tactnet::write_file(file(".csv"), csv);
-    const drawn_picture drawn = draw(script, file(".csv"), "png", titles);
+    drawn_picture drawn = draw(script, file(".csv"), "png", titles);
     std::error_code ignored;
-    if (!drawn.picture.empty()) {
-        tactnet::write_file(file(".png"), drawn.picture);
-        std::filesystem::remove(file(".gp"), ignored);
-        return;
+    try {
+        if (!drawn.picture.empty()) {
+            tactnet::write_file(file(".png"), drawn.picture);
+            std::filesystem::remove(file(".gp"), ignored);
+            return;
+        }
+    } catch (const tactnet::file_error& error) { // a full disk, which may have room for the script
+        drawn.problem = error.what();
     }
     std::filesystem::remove(file(".png"), ignored); // an earlier one would not fit the table
     tactnet::write_file(file(".gp"), embedded(script));
-    tell("{} is not drawn: {}; in its folder, gnuplot -c {} {} png {} {} > {} draws it\n",
-         printable(file(".png").string()), printable(drawn.problem), word(".gp"), word(".csv"),
-         shell_word(titles.title), shell_word(joined(titles.names)), word(".png"));
+    tell("{} is not drawn: {}; in its folder, {} > {} draws it\n", printable(file(".png").string()),
+         printable(drawn.problem), command_for(name(".gp"), name(".csv"), "png", titles),
+         shell_word(name(".png")));
 }
 
 std::string learning_curves_csv(std::span<const titled_curve> curves) {

@@ -38,7 +38,7 @@ void draw_picture(const std::string& script, const std::filesystem::path& stem, 
 /// Epochs of a training, or the mean of several, with a title.
 using titled_curve = std::pair<std::string, std::vector<tactnet::epoch_report>>;
 
-/// A line for each epoch, with the columns of all curves beside each other.
+/// A line for each epoch, with the columns of all curves.
 std::string learning_curves_csv(std::span<const titled_curve> curves);
 void plot_learning_curves(const std::filesystem::path& stem, std::span<const titled_curve> curves);
 

@@ -5,7 +5,7 @@ set datafile columnheaders
 if (ARG2 eq "svg") { set terminal svg size 900,600 dynamic font "sans-serif,13" noenhanced } \
 else { if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size 1100,700 font ",11" noenhanced } \
 else { set terminal png size 1100,700 noenhanced } }
-# Hues that people who confuse colours tell apart, on light and dark ground; grey for the paper.
+# Hues that colour-blind people can distinguish, on light and dark ground; grey for the paper.
 array series = ["touches", "photographs", "machines", "paper", "peers", "front", "names"]
 array title = ["networks for touches", "ImageNet-pretrained networks", "support vector machines", "the paper", \
     "the same networks, other libraries", "Pareto front"]

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <printable.hpp>
 #include <sstream>
+#include <standard_output.hpp>
 #include <string_view>
 #include <tuple>
 #include <utility>

@@ -41,7 +41,7 @@ struct class_rate {
     /// The lower of both, as far as they are known.
     double worst() const;
 };
-/// Of all classes, the worst first.
+/// All classes, the worst first.
 std::vector<class_rate> class_rates(const study_row& row);
 
 /// What a report is of.

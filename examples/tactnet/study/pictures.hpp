@@ -1,7 +1,7 @@
 #pragma once
 
-// The pictures of a study: each as CSV and PNG beside the page, and as SVG in it, where the pointer asks what
-// a point is.
+// The pictures of a study: each as CSV and PNG next to the page, and as SVG in it, where the pointer shows
+// what a point is.
 
 #include "files/output_files.hpp"
 #include "study/rows.hpp"

@@ -1,7 +1,7 @@
 #include "study/plan.hpp"
 
+#include "console.hpp"
 #include "methods/registry.hpp"
-#include "usage_error.hpp"
 
 #include <fmt/format.h>
 

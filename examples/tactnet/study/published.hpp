@@ -13,7 +13,7 @@ struct published_result {
     std::string_view title, method; ///< the paper's name, and that of the same method here
     std::size_t rows, columns;
     double accuracy, deviation; ///< of 20 random splits, in percent
-    double seconds;             ///< an image on the paper's processor; 0 where it tells none
+    double seconds;             ///< an image on the paper's processor; 0 where it has none
 };
 
 inline constexpr std::array published_results{
@@ -43,7 +43,7 @@ inline constexpr std::array published_results{
     published_result{"VGG16-SVM", "vgg16-svm", 7, 13, 66.32, 6.13, 0},
 };
 
-/// Nothing where the paper tells nothing of it.
+/// Null for what the paper does not have.
 constexpr const published_result* find_published(std::string_view method, std::size_t rows,
                                                  std::size_t columns) {
     for (const published_result& p : published_results)

@@ -152,7 +152,7 @@ study_row row_of(const candidate& c, std::size_t bits, const split_plan& plan, c
                  : what.pretrained() ? method_family::photographs
                                      : method_family::touches;
     row.declaration = what.declaration();
-    // Of the network as it was published, not of a user's of that name.
+    // For the network as it was published, not for a user's of that name.
     if (bits == 32 && (row.declaration.empty() || row.declaration.starts_with("tactnet::")))
         row.published = find_published(row.method, row.rows, row.columns);
     if (row.accuracies.empty())

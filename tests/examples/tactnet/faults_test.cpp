@@ -58,7 +58,7 @@ TEST_SUITE("program") {
     TEST_CASE("standard_output: results that cannot be printed are no success") {
         const workshop shop;
         shop.trains("--epochs 2 --output net");
-        const std::string image = " '" + (shop.data() / "left" / "image0.png").string() + "'";
+        const std::string image = " '" + shop.image().string() + "'";
         for (const char* end : {" >/dev/full", " >&-"})
             for (const std::string& command :
                  {program() + " list", program() + " --help", program() + " classify --weights net" + image,
@@ -124,8 +124,6 @@ TEST_SUITE("program") {
         for (const char* output : {"left/net", "new/net", "left/image0.png"})
             shop.refuses(shop.train_arguments({"--output", (shop.data() / output).string()}),
                          "--output: expected a place outside the folders of classes");
-        shop.refuses(shop.train_arguments({"--output", "net", "--plots", (shop.data() / "plots").string()}),
-                     "--plots: expected a place outside the folders of classes");
         shop.refuses({"evaluate", "--data", shop.data().string(), "--method", "tactnet4", "--rows", "7",
                       "--columns", "13", "--results", (shop.data() / "results").string()},
                      "--results: expected a place outside the folders of classes");
@@ -135,7 +133,7 @@ TEST_SUITE("program") {
     TEST_CASE("output_files: names are tried before the work") {
         const workshop shop;
         const auto refuses = [&](const std::string& output, const std::string& sentence) {
-            // By its first word of progress a training would tell that it has begun.
+            // A training that has begun would report its first progress.
             const std::string error = shop.refuses(shop.train_arguments({"--output", output}), sentence);
             says_not(error, "to train");
         };
@@ -168,11 +166,9 @@ TEST_SUITE("program") {
         says(half.error, "the weights are whole in half; what failed is about them");
         says(half.error, "half.learning.csv: expected to write all bytes, found 'File too large'");
         says_not(half.error, "no checkpoint of the finished");
-        REQUIRE(
-            shop.run({"classify", "--weights", "half", (shop.data() / "left/image0.png").string()}).status ==
-            0);
+        REQUIRE(shop.run("classify --weights half IMAGE").status == 0);
 
-        // No room even for the weights: told, and no end by SIGXFSZ.
+        // No room even for the weights: an error, and no end by SIGXFSZ.
         const program_result full =
             in_shell(shop, "ulimit -f 10 && " + training(shop, "--epochs 2 --output full"));
         CHECK(full.status == 2);
@@ -221,12 +217,10 @@ TEST_SUITE("program") {
         const workshop shop;
         const std::string name = ".tactnet-17-0.partial";
         fs::create_directories(shop / "results");
-        fs::create_directories(shop / "plots");
-        for (const char* folder : {".", "results", "plots"})
+        for (const char* folder : {".", "results"})
             tactnet::write_file(shop / folder / name, "half");
-        shop.trains("--epochs 1 --output net --plots plots");
+        shop.trains("--epochs 1 --output net");
         CHECK_FALSE(fs::exists(shop / name.c_str()));
-        CHECK_FALSE(fs::exists(shop / "plots" / name));
         CHECK(fs::exists(shop / "results" / name));
         tactnet::write_file(shop / name.c_str(), "half");
         shop.succeeds("export --weights net --output net.hpp");
@@ -250,7 +244,7 @@ TEST_SUITE("program") {
         fs::create_directory_symlink(".", shop / "here");
         const pid_t first = shop.start(shop.train_arguments("--epochs 1000000 --output new/net"));
         shop.wait_for_first_epoch(first);
-        const std::string told = "found another training at work on ";
+        const std::string sentence = "found another training at work on ";
         for (const char* more : {"--method tactnet4 --output new/net", "--method svm-linear --output new/net",
                                  "--method tactnet4 --output here/new/net --afresh",
                                  "--method tactnet4 --output new/net --resume",
@@ -259,7 +253,7 @@ TEST_SUITE("program") {
                 in_shell(shop, program() + " train --data '" + shop.data().string() +
                                    "' --rows 7 --columns 13 " + std::string(more));
             CHECK(second.status == 2);
-            says(second.error, told);
+            says(second.error, sentence);
         }
         // Beside it there is room, and a killed one has no claim any more.
         CHECK(in_shell(shop, training(shop, "--epochs 2 --output new/beside")).status == 0);
@@ -324,7 +318,7 @@ TEST_SUITE("program") {
         shop.wait_for_first_epoch(holder);
         const auto held = locks();
         CHECK(held > 0);
-        // Such a file is locked by nobody: no training is left that would take it over.
+        // No program holds this lock: no training is left that would take it over.
         tactnet::write_file(shop / "r" / ".tactnet-0123456789abcdef.lock", "");
         tactnet::write_file(shop / "r" / ".tactnet-my.lock", "somebody's");
         shop.succeeds(arguments);
@@ -351,7 +345,7 @@ TEST_SUITE("program") {
         CHECK(fs::is_empty(folder.path()));
     }
 
-    TEST_CASE("checkpoint: one without a checksum is taken, and told") {
+    TEST_CASE("checkpoint: one without a checksum is accepted, with a message") {
         const workshop shop;
         const pid_t child = shop.start(shop.train_arguments("--epochs 1500 --output net"));
         shop.wait_for_first_epoch(child);
@@ -382,13 +376,13 @@ TEST_SUITE("program") {
         CHECK(shop.wait(goes_on).status == 0);
         CHECK(shop.wait(killed).status == 1000 + SIGKILL);
         CHECK(lines_of(text_of(shop / "r" / "evaluation.jsonl")).size() == 12);
-        // What the killed one held is taken over by whoever does that training.
+        // The lock of the killed one is taken over by the next to do that training.
         shop.succeeds(arguments + "--afresh");
         for (const std::string& name : shop.everything())
             says_not(name, ".lock");
     }
 
-    TEST_CASE("arguments: slips in commands, options and numbers are told in few words") {
+    TEST_CASE("arguments: slips in commands, options and numbers are reported in few words") {
         const workshop shop;
         shop.refuses("trian --output net", "A subcommand is required, found 'trian'");
         shop.refuses(shop.train_arguments("--output net --epocs 2"),

@@ -1,4 +1,5 @@
-// Names of files and classes that do more than name: for a terminal, a shell, gnuplot, or whoever opens them.
+// Names of files and classes that do more than name: to a terminal, a shell, gnuplot, or the program that
+// opens them.
 
 #include "study/rows.hpp"
 #include "workshop.hpp"
@@ -8,8 +9,8 @@
 #include <doctest/doctest.h>
 
 #include <cstdlib>
-#include <printable.hpp>
 #include <reports/pictures.hpp>
+#include <standard_output.hpp>
 #include <string>
 #include <string_view>
 #include <study/pictures.hpp>
@@ -20,7 +21,7 @@ using namespace support;
 
 namespace {
 
-/// The program's environment with a gnuplot of one's own.
+/// The program's environment with another gnuplot.
 class own_gnuplot {
 public:
     /// `script`: of a shell; none: there is no gnuplot.
@@ -125,7 +126,7 @@ TEST_SUITE("program") {
         const workshop shop;
         const auto train = [&](const std::string& script) {
             const own_gnuplot fake(shop.work() / "bin", script);
-            const outcome result = shop.train({"--method", "svm-linear", "--output", "out/it's"});
+            const outcome result = shop.train("--method svm-linear --output out/it's");
             CHECK_MESSAGE(result.status == 0, result.error);
             return result.error;
         };
@@ -195,40 +196,38 @@ TEST_SUITE("program") {
 
         // What a file says of itself.
         rewrite_metadata(shop.work() / hostile / "net", shop / "says", "network", hostile);
-        shop.refuses({"classify", "--weights", "says", "x.png"}, shown);
+        shop.refuses("classify --weights says x.png", shown);
     }
 
     TEST_CASE("names: pipes are not waited for") {
         const workshop shop;
-        shop.trains({"--method", "svm-linear", "--output", "net"});
-        const fs::path image = shop.data() / "left" / "image0.png";
+        shop.trains("--method svm-linear --output net");
         for (const char* name : {"pipe", "pipe.png"})
             REQUIRE(mkfifo((shop / name).c_str(), 0600) == 0);
         const std::string found = "expected a regular file, found a named pipe";
-        shop.refuses({"classify", "--weights", "net", "pipe.png"}, "pipe.png: " + found);
-        shop.refuses({"classify", "--weights", "pipe", image.string()}, "pipe: " + found);
-        shop.refuses({"classify", "--weights", "net", "--classes", "pipe", image.string()}, "pipe: " + found);
-        shop.refuses(shop.train_arguments({"--start", "pipe", "--output", "x"}), "pipe: " + found);
+        shop.refuses("classify --weights net pipe.png", "pipe.png: " + found);
+        shop.refuses("classify --weights pipe IMAGE", "pipe: " + found);
+        shop.refuses("classify --weights net --classes pipe IMAGE", "pipe: " + found);
+        shop.refuses(shop.train_arguments("--start pipe --output x"), "pipe: " + found);
         // One that a shell made ends with its writer, and is read.
         const auto piped =
-            run_program("cat '" + image.string() + "' | " TACTNET_PROGRAM " classify --weights '" +
+            run_program("cat '" + shop.image().string() + "' | " TACTNET_PROGRAM " classify --weights '" +
                         (shop / "net").string() + "' /dev/stdin");
         CHECK_MESSAGE(piped.status == 0, piped.error);
 
         fs::create_directory(shop / "made");
         REQUIRE(mkfifo((shop / "made/simulation.json").c_str(), 0600) == 0);
-        shop.refuses({"simulate", "--out", "made"}, "simulation.json: " + found);
+        shop.refuses("simulate --out made", "simulation.json: " + found);
         fs::create_directory(shop / "r");
         REQUIRE(mkfifo((shop / "r/evaluation.jsonl").c_str(), 0600) == 0);
-        shop.refuses({"evaluate", "--data", shop.data().string(), "--method", "svm-linear", "--rows", "7",
-                      "--columns", "13", "--results", "r"},
+        shop.refuses("evaluate --data DATA --method svm-linear --rows 7 --columns 13 --results r",
                      "evaluation.jsonl: " + found);
 
         REQUIRE(mkfifo((shop.data() / "right" / "image99.png").c_str(), 0600) == 0);
-        shop.refuses(shop.train_arguments({"--output", "x"}), "image99.png: " + found);
+        shop.refuses(shop.train_arguments("--output x"), "image99.png: " + found);
         fs::remove(shop.data() / "right" / "image99.png");
         fs::create_directory_symlink("gone", shop.data() / "fourth");
-        shop.refuses(shop.train_arguments({"--output", "x"}),
+        shop.refuses(shop.train_arguments("--output x"),
                      "fourth: expected a link to something that is there, found one to 'gone'");
     }
 }

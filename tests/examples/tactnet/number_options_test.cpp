@@ -17,12 +17,9 @@ TEST_SUITE("program") {
         constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
         CHECK(whole_number_of("0") == 0);
         CHECK(whole_number_of("+7") == 7);
-        CHECK(whole_number_of("0x1F") == 31);
         CHECK(whole_number_of("18446744073709551615") == most);
-        CHECK(whole_number_of("0xffffffffffffffff") == most);
-        for (const char* text :
-             {"", "+", "-1", "-0", "010", "0x", "0x-1", "1.5", "1e3", " 1", "1 ", "one", "true", "nan",
-              "18446744073709551616", "0x10000000000000000", "99999999999999999999999"})
+        for (const char* text : {"", "+", "-1", "-0", "010", "0x1F", "1.5", "1e3", " 1", "1 ", "one", "true",
+                                 "nan", "18446744073709551616", "99999999999999999999999"})
             CHECK_MESSAGE(!whole_number_of(text), text);
         CHECK(number_of("0.25") == 0.25);
         CHECK(number_of("-1e-3") == -1e-3);

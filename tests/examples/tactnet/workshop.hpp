@@ -52,7 +52,8 @@ struct outcome {
     std::string out, error;
 };
 
-/// Arguments of the program, of a line or a list; DATA stands for the workshop's folder of images.
+/// Arguments of the program, of a line or a list; DATA stands for the workshop's folder of images, IMAGE for
+/// one of the first class.
 struct words : std::vector<std::string> {
     using std::vector<std::string>::vector;
     words(const std::vector<std::string>& list) : std::vector<std::string>(list) {}
@@ -87,12 +88,14 @@ public:
     }
 
     fs::path data() const { return folder_ / "data"; }
+    fs::path image() const { return data() / "left" / "image0.png"; }
     fs::path work() const { return folder_ / "work"; }
     fs::path operator/(const char* name) const { return work() / name; }
 
     pid_t start(const words& arguments) const {
         words texts = words{TACTNET_PROGRAM} + arguments;
         std::replace(texts.begin(), texts.end(), std::string("DATA"), data().string());
+        std::replace(texts.begin(), texts.end(), std::string("IMAGE"), image().string());
         std::vector<char*> pointers;
         for (std::string& text : texts)
             pointers.push_back(text.data());

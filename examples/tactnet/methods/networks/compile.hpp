@@ -42,45 +42,31 @@ constexpr std::string_view type_as_spelled() {
     return __PRETTY_FUNCTION__;
 }
 
-/// A network that is compiled elsewhere, which another one may be equal to.
-template <class Network, compiled_network (*Make)()>
-struct twin {
-    using network = Network;
-    static constexpr auto make = Make;
-};
-
 /// `OneClass` is the same network for a single class, of which only the costs are needed.
-template <class Network, class OneClass, class... Twins>
+template <class Network, class OneClass>
 compiled_network compile_network() {
-    if constexpr ((std::is_same_v<Network, typename Twins::network> || ...)) {
-        compiled_network same{};
-        static_cast<void>(
-            ((std::is_same_v<Network, typename Twins::network> && (same = Twins::make(), true)) || ...));
-        return same;
-    } else {
-        using trainable = tactnet::trainable_network<Network>;
-        static constexpr tactnet::shape input = Network::input_shape;
-        return {.input = input,
-                .outputs = Network::outputs,
-                .costs = costs_of<Network>(),
-                .costs_of_one = costs_of<OneClass>(),
-                .takes_counts = Network::takes_counts,
-                .type = type_as_spelled<Network>(),
-                .make = []() -> std::unique_ptr<tactnet::trainable> { return std::make_unique<trainable>(); },
-                .describe = [] { return Network::describe(); },
-                .deploy = [](const any_model& model) -> std::unique_ptr<any_deployed> {
-                    return std::make_unique<deployed_network<Network, tactnet::single_precision>>(
-                        tactnet::deploy(static_cast<const trainable&>(*model.network).network(),
-                                        std::span(model.mean).template first<input.size()>(), model.scale));
-                },
-                .variation_of = [](const tactnet::shape& taken) -> tactnet::images_as_taken::variation {
-                    // Images of the paper's array are varied as they were taken, and reduced.
-                    constexpr tactnet::shape array = tactnet::tekscan_6077::extents;
-                    if constexpr (input != array && input.channels == 1 && input.rows <= array.rows &&
-                                  input.columns <= array.columns)
-                        if (taken == array)
-                            return tactnet::images_as_taken::of<array, input>({}).vary;
-                    return nullptr;
-                }};
-    }
+    using trainable = tactnet::trainable_network<Network>;
+    static constexpr tactnet::shape input = Network::input_shape;
+    return {.input = input,
+            .outputs = Network::outputs,
+            .costs = costs_of<Network>(),
+            .costs_of_one = costs_of<OneClass>(),
+            .takes_counts = Network::takes_counts,
+            .type = type_as_spelled<Network>(),
+            .make = []() -> std::unique_ptr<tactnet::trainable> { return std::make_unique<trainable>(); },
+            .describe = [] { return Network::describe(); },
+            .deploy = [](const any_model& model) -> std::unique_ptr<any_deployed> {
+                return std::make_unique<deployed_network<Network, tactnet::single_precision>>(
+                    tactnet::deploy(static_cast<const trainable&>(*model.network).network(),
+                                    std::span(model.mean).template first<input.size()>(), model.scale));
+            },
+            .variation_of = [](const tactnet::shape& taken) -> tactnet::images_as_taken::variation {
+                // Images of the paper's array are varied as they were taken, and reduced.
+                constexpr tactnet::shape array = tactnet::tekscan_6077::extents;
+                if constexpr (input != array && input.channels == 1 && input.rows <= array.rows &&
+                              input.columns <= array.columns)
+                    if (taken == array)
+                        return tactnet::images_as_taken::of<array, input>({}).vary;
+                return nullptr;
+            }};
 }

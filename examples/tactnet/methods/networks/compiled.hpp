@@ -11,6 +11,7 @@
 #include <tactnet/training/loop.hpp>
 #include <tactnet/training/loop/trainable.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -109,6 +110,24 @@ std::vector<std::span<float>> arrays_of(tactnet::trainable& network);
 /// Random parameters, for timing.
 void draw_arrays(tactnet::trainable& network);
 
+/// Frames for timing; their values do not matter.
+inline std::vector<std::uint8_t> made_up_frames(std::size_t pixels) {
+    std::vector<std::uint8_t> counts(pixels);
+    for (std::size_t e = 0; e < pixels; ++e)
+        counts[e] = static_cast<std::uint8_t>(e * 37 % 64);
+    return counts;
+}
+
+/// body(first, how many) for some images at a time, each of which takes `bytes`: what is found of all of them
+/// can exceed the memory.
+template <class Body>
+void in_parts(std::size_t images, std::size_t bytes, const Body& body) {
+    constexpr std::size_t max_bytes = std::size_t{1} << 26U;
+    const std::size_t most = std::max<std::size_t>(1, max_bytes / bytes);
+    for (std::size_t first = 0; first < images; first += most)
+        body(first, std::min(most, images - first));
+}
+
 /// The model as a file has it, without its self-test. A view of the model; `image` is the shape of the file's
 /// images.
 tactnet::model_parts parts_of(const any_model& model, tactnet::shape image, tactnet::stored_arrays arrays);
@@ -121,10 +140,13 @@ any_model load_model(const compiled_network& code, const tactnet::safetensors& f
 /// features.
 std::vector<float> logits_of(const any_model& model, std::size_t count,
                              const std::function<void(std::size_t, std::span<float>)>& make);
-/// Throws std::runtime_error: logits are not finite.
-[[noreturn]] void refuse_logits();
-/// Takes the logarithms of the probabilities that a network ends in, which are logits; of zero a finite one.
-void make_logits(std::span<float> probabilities);
+/// A row of all outputs for each of some frames, one after the other. Throws std::runtime_error for outputs
+/// that are not finite.
+std::vector<float> outputs_of(const any_deployed& network, const compiled_network& code,
+                              std::span<const std::uint8_t> frames, tactnet::thread_pool& threads);
+/// The same as logits: of a network that ends in a softmax the logarithms, of zero a finite one.
+std::vector<float> logits_of(const any_deployed& network, const compiled_network& code,
+                             std::span<const std::uint8_t> frames, tactnet::thread_pool& threads);
 /// Of rows of `outputs` logits, of which those of `classes` count. Throws std::runtime_error for some that
 /// are not finite.
 std::vector<scored_class> classes_of_rows(std::span<const float> rows, std::size_t outputs,

@@ -30,22 +30,30 @@ public:
     std::size_t bits() const override { return 8; }
     const std::vector<std::string>& classes() const override { return classes_; }
     std::string calibration() const override { return calibration_; }
+    bool averages_reflections() const override { return true; }
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
-                                 tactnet::thread_pool& threads) const override {
-        return evaluate(images, chosen, threads, tactnet::test_time_augmentation::none);
-    }
-    std::optional<tactnet::evaluation> evaluate_reflections(const tactnet::labelled_images& images,
-                                                            std::span<const std::size_t> chosen,
-                                                            tactnet::thread_pool& threads) const override {
-        return evaluate(images, chosen, threads, tactnet::test_time_augmentation::reflections);
+                                 tactnet::thread_pool& threads,
+                                 tactnet::test_time_augmentation how) const override {
+        // Counts as they are.
+        const std::size_t pixels = code_.pixels();
+        const std::vector<float> mean(pixels);
+        return tactnet::detail::evaluate(
+            layout_.input, mean, 1, code_.outputs, images, chosen, how,
+            [&](const tactnet::sample_batch& in, tactnet::sample_batch& out) {
+                std::vector<std::uint8_t> frames;
+                for (std::size_t i = 0; i < in.samples(); ++i)
+                    for (std::size_t e = 0; e < pixels; ++e)
+                        frames.push_back(static_cast<std::uint8_t>(in(i, e)));
+                const std::vector<float> found = logits_of(*deployed_, code_, frames, threads);
+                for (std::size_t i = 0; i < in.samples(); ++i)
+                    out.set(i, std::span(found).subspan(i * code_.outputs, code_.outputs));
+            });
     }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
                                         const tactnet::temperature_scaling& scaling,
                                         tactnet::thread_pool& threads) const override {
-        std::vector<float> rows = outputs(images, threads);
-        if (deployed_->gives_probabilities())
-            make_logits(rows);
-        return classes_of_rows(rows, code_.outputs, classes_.size(), scaling);
+        return classes_of_rows(logits_of(*deployed_, code_, images, threads), code_.outputs, classes_.size(),
+                               scaling);
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {
@@ -65,36 +73,10 @@ public:
     }
 
 private:
-    tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
-                                 tactnet::thread_pool& threads, tactnet::test_time_augmentation how) const {
-        // Counts as they are.
-        const std::size_t pixels = code_.pixels();
-        const std::vector<float> mean(pixels);
-        return tactnet::detail::evaluate(
-            layout_.input, mean, 1, code_.outputs, images, chosen, how,
-            [&](const tactnet::sample_batch& in, tactnet::sample_batch& out) {
-                std::vector<std::uint8_t> frames;
-                for (std::size_t i = 0; i < in.samples(); ++i)
-                    for (std::size_t e = 0; e < pixels; ++e)
-                        frames.push_back(static_cast<std::uint8_t>(in(i, e)));
-                std::vector<float> found = outputs(frames, threads);
-                if (deployed_->gives_probabilities())
-                    make_logits(found);
-                for (std::size_t i = 0; i < in.samples(); ++i)
-                    out.set(i, std::span(found).subspan(i * code_.outputs, code_.outputs));
-            });
-    }
-    /// A row of all outputs for each image.
-    std::vector<float> outputs(std::span<const std::uint8_t> images, tactnet::thread_pool& threads) const {
-        std::vector<float> found(images.size() / (code_.pixels()) * code_.outputs);
-        if (!deployed_->infer(threads, images, found))
-            refuse_logits();
-        return found;
-    }
-    /// Of the classes alone, as the network gives them.
+    /// The outputs of the classes alone, as the network gives them.
     std::vector<float> logits(std::span<const std::uint8_t> images) const {
         tactnet::thread_pool alone;
-        const std::vector<float> all = outputs(images, alone);
+        const std::vector<float> all = outputs_of(*deployed_, code_, images, alone);
         std::vector<float> some;
         for (std::size_t i = 0; i < all.size(); ++i)
             if (i % code_.outputs < classes_.size())

@@ -1,11 +1,10 @@
 // Networks among the program's methods: trained from random weights, or on from weights learnt from
 // photographs.
 
+#include "console.hpp"
 #include "data/input_file.hpp"
 #include "methods/description.hpp"
-#include "methods/frames.hpp"
 #include "methods/networks/compiled.hpp"
-#include "usage_error.hpp"
 
 #include <tactnet/transfer/pretrained_trunk.hpp>
 
@@ -37,26 +36,17 @@ public:
 
     const any_model* model() const override { return &model_; }
     const std::vector<std::string>& classes() const override { return model_.classes; }
+    bool averages_reflections() const override { return true; }
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
-                                 tactnet::thread_pool& threads) const override {
-        return tactnet::evaluate(*model_.network, model_.mean, model_.scale, images, chosen, threads);
-    }
-    std::optional<tactnet::evaluation> evaluate_reflections(const tactnet::labelled_images& images,
-                                                            std::span<const std::size_t> chosen,
-                                                            tactnet::thread_pool& threads) const override {
-        return tactnet::evaluate(*model_.network, model_.mean, model_.scale, images, chosen, threads,
-                                 tactnet::test_time_augmentation::reflections);
+                                 tactnet::thread_pool& threads,
+                                 tactnet::test_time_augmentation how) const override {
+        return tactnet::evaluate(*model_.network, model_.mean, model_.scale, images, chosen, threads, how);
     }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
                                         const tactnet::temperature_scaling& scaling,
                                         tactnet::thread_pool& threads) const override {
-        const auto deployed = code_.deploy(model_);
-        std::vector<float> outputs(images.size() / code_.pixels() * code_.outputs);
-        if (!deployed->infer(threads, images, outputs))
-            refuse_logits();
-        if (deployed->gives_probabilities())
-            make_logits(outputs);
-        return classes_of_rows(outputs, code_.outputs, classes().size(), scaling);
+        return classes_of_rows(logits_of(*code_.deploy(model_), code_, images, threads), code_.outputs,
+                               classes().size(), scaling);
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {

@@ -10,6 +10,14 @@
 #include <stdexcept>
 #include <utility>
 
+namespace {
+
+[[noreturn]] void refuse_logits() {
+    throw std::runtime_error("expected finite logits, found some that are not: the weights are broken");
+}
+
+} // namespace
+
 std::vector<std::span<float>> arrays_of(tactnet::trainable& network) {
     std::vector<std::span<float>> arrays;
     for (const tactnet::parameter& p : network.describe())
@@ -73,13 +81,21 @@ std::vector<float> logits_of(const any_model& model, std::size_t count,
     return result;
 }
 
-void refuse_logits() {
-    throw std::runtime_error("expected finite logits, found some that are not: the weights are broken");
+std::vector<float> outputs_of(const any_deployed& network, const compiled_network& code,
+                              std::span<const std::uint8_t> frames, tactnet::thread_pool& threads) {
+    std::vector<float> rows(frames.size() / code.pixels() * code.outputs);
+    if (!network.infer(threads, frames, rows))
+        refuse_logits();
+    return rows;
 }
 
-void make_logits(std::span<float> probabilities) {
-    for (float& probability : probabilities)
-        probability = std::log(std::max(probability, std::numeric_limits<float>::min()));
+std::vector<float> logits_of(const any_deployed& network, const compiled_network& code,
+                             std::span<const std::uint8_t> frames, tactnet::thread_pool& threads) {
+    std::vector<float> rows = outputs_of(network, code, frames, threads);
+    if (network.gives_probabilities())
+        for (float& value : rows)
+            value = std::log(std::max(value, std::numeric_limits<float>::min()));
+    return rows;
 }
 
 std::vector<scored_class> classes_of_rows(std::span<const float> rows, std::size_t outputs,

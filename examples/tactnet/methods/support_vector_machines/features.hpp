@@ -9,13 +9,15 @@
 #include <span>
 #include <vector>
 
+struct compiled_trunk;
+
 /// What stands between images and a support vector machine.
 class image_features {
 public:
     virtual ~image_features() = default;
     /// Numbers of one image.
     virtual std::size_t size() const = 0;
-    /// Of one image, apart from what is no product of two matrices; its parameters are those learnt.
+    /// Costs of one image, without what is no product of two matrices; its parameters are those learnt.
     virtual method_costs costs() const { return {}; }
     /// How they are computed. A weight file has the same metadata, or it is for others.
     virtual tactnet::file_metadata form() const = 0;
@@ -36,3 +38,9 @@ public:
 
 /// Makes features that are compiled for a size.
 using make_features = std::unique_ptr<image_features>();
+
+/// Adds support vector machines on images of one size and, behind each of the trunks, support vector machines
+/// and heads. `surf` makes the features of the paper's baseline.
+void add_methods_behind_features(std::vector<std::unique_ptr<method>>& methods, tactnet::extent2d image,
+                                 make_features* surf,
+                                 const std::vector<std::shared_ptr<const compiled_trunk>>& trunks);

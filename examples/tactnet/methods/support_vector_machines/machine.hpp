@@ -39,7 +39,7 @@ public:
 
     static support_vector_machine train(const svm_options& options, feature_list rows,
                                         const label_list& labels, tactnet::thread_pool& threads);
-    /// Of the kind of the options. Throws tactnet::file_error.
+    /// Loads a machine of the kind of the options. Throws tactnet::file_error.
     static support_vector_machine load(const svm_options& options, const tactnet::safetensors& file);
     /// The largest there can be with so many samples of each class, of made-up numbers: its time depends on
     /// nothing else.
@@ -48,7 +48,7 @@ public:
     void add_to(tactnet::safetensors_writer& writer) const;
 
     std::size_t features() const;
-    /// Of the classes that it was trained on.
+    /// The classes that it was trained on.
     const label_list& labels() const;
     /// What its values stand for: of a machine with a kernel either, as its file says.
     tactnet::multiclass scheme() const;

@@ -3,8 +3,7 @@
 // and VGG16-SVM, and what does better than these.
 
 #include "methods/description.hpp"
-#include "methods/frames.hpp"
-#include "methods/method_list.hpp"
+#include "methods/support_vector_machines/features.hpp"
 #include "methods/support_vector_machines/machine.hpp"
 #include "methods/trunks/features.hpp"
 
@@ -37,8 +36,8 @@ struct svm_recipe {
 
 const std::vector<svm_recipe>& svm_recipes() {
     constexpr trunk_features_form pooled{trunk_pooling::pooled, true};
-    // Of the paper's: all values of a layer, a machine for each class, and the cost that belongs to a
-    // regularisation of one divided by the number of images.
+    // The paper's methods take all values of a layer, a machine for each class, and the cost that belongs to
+    // a regularisation of one divided by the number of images.
     static const std::vector<svm_recipe> all{
         {"svm-linear", linear_options{.cost = 1}, 1.0f / 255},
         {"svm-rbf", rbf_options{.cost = 10}, 1},
@@ -110,7 +109,8 @@ public:
 
     const std::vector<std::string>& classes() const override { return classes_; }
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
-                                 tactnet::thread_pool& threads) const override {
+                                 tactnet::thread_pool& threads,
+                                 tactnet::test_time_augmentation) const override {
         tactnet::evaluation result{
             std::numeric_limits<double>::quiet_NaN(), tactnet::confusion_matrix(images.classes), {}, {}};
         for (const scored_class& found : recognise_chosen(images.pixels, chosen, threads)) {
@@ -277,8 +277,8 @@ public:
         all.merge(features->fit_settings());
         return all;
     }
-    /// Of a machine trained on the paper's number of images of each class, which all are support vectors at
-    /// the worst.
+    /// Costs of a machine trained on the paper's number of images per class, all of which are support vectors
+    /// at the worst.
     method_costs costs(std::size_t classes) const override {
         const auto features = make();
         const std::size_t inputs = features->size();

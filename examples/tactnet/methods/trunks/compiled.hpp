@@ -32,7 +32,7 @@ enum class trunk_pooling {
 struct trunk_features_form {
     trunk_pooling pooling = trunk_pooling::none;
     /// Whether an image stands for its reflections, too, at rows, columns and both: the largest values are
-    /// those of all four, and the means are means of all four, so that features do not tell them apart.
+    /// those of all four, and the means are means of all four, so that features are the same for all four.
     bool reflected = false;
 
     constexpr std::size_t size(tactnet::shape map) const {

@@ -5,7 +5,6 @@
 #include "files/claims.hpp"
 #include "files/output_files.hpp"
 #include "methods/description.hpp"
-#include "methods/frames.hpp"
 
 #include <tactnet/io/pretrained.hpp>
 #include <tactnet/svm/feature_rows.hpp>
@@ -17,7 +16,6 @@
 
 #include <algorithm>
 #include <interrupt.hpp>
-#include <printable.hpp>
 #include <stdexcept>
 #include <stopwatch.hpp>
 #include <utility>
@@ -58,7 +56,7 @@ tactnet::file_metadata feature_finder::describe() const {
             {"pooling", form.pooling == trunk_pooling::none ? "none" : "maximum and average"},
             {"reflections", form.reflected ? "all four" : "none"},
             {"input", "scale"},
-            {"input_scale", "1"}}; // what becomes of the counts is part of the features
+            {"input_scale", "1"}}; // the features include how counts are scaled
 }
 
 void feature_finder::find(const loaded_trunk& network, std::span<const std::uint8_t> images,
@@ -182,15 +180,9 @@ bool trunk_features::prepare(const image_data& data, const feature_place& place,
     settings["pretrained"] = pretrained_fingerprint(file_->file());
     settings.merge(describe_program());
     std::filesystem::path path = place.path;
-    if (place.is_folder) {
-        fingerprint print;
-        for (const auto& [key, value] : settings) {
-            print.add(key);
-            print.add(value);
-        }
+    if (place.is_folder)
         path /= fmt::format("{}_{}x{}_{}.features", finder_.trunk->network.name, finder_.image.rows,
-                            finder_.image.columns, print.text());
-    }
+                            finder_.image.columns, fingerprint_of(settings));
     make_folder_of(path);
     claims alone;
     if (!wait_until([&] { return alone.take(path); },
@@ -205,7 +197,7 @@ bool trunk_features::prepare(const image_data& data, const feature_place& place,
     const bool done = find_missing(data, threads);
     kept_images_ = data.images.pixels;
     const std::lock_guard lock(mutex_);
-    network_ = nullptr; // which may be large; whoever asks for other images loads it again
+    network_ = nullptr; // which may be large; other images load it again
     return done;
 }
 
@@ -228,10 +220,8 @@ bool trunk_features::find_missing(const image_data& data, tactnet::thread_pool& 
             kept_->write(some[i], std::span(values).subspan(i * size, size));
         done += some.size();
         const std::size_t left = missing.size() - done;
-        line.show(fmt::format(
-                      "{} features of {} of {} images, {} left", finder_.trunk->network.title, all - left,
-                      all,
-                      duration_text(watch.seconds() / static_cast<double>(done) * static_cast<double>(left))),
+        line.show(fmt::format("{} features of {} of {} images, {}", finder_.trunk->network.title, all - left,
+                              all, time_left(watch.seconds(), done, left)),
                   left == 0);
     }
     if (!missing.empty())

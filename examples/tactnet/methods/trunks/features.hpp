@@ -30,7 +30,7 @@ struct feature_finder {
 
     /// Numbers of one image.
     std::size_t size() const { return form.size(trunk->map); }
-    /// Of one image.
+    /// Costs of one image.
     method_costs costs() const;
     /// The file that it needs.
     pretrained_file file() const;

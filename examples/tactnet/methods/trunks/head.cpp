@@ -1,7 +1,6 @@
 // Heads that are trained behind a frozen trunk, as methods.
 
 #include "methods/description.hpp"
-#include "methods/frames.hpp"
 #include "methods/trunks/features.hpp"
 
 #include <tactnet/svm/feature_rows.hpp>
@@ -21,7 +20,8 @@ public:
 
     const std::vector<std::string>& classes() const override { return model_.classes; }
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
-                                 tactnet::thread_pool& threads) const override {
+                                 tactnet::thread_pool& threads,
+                                 tactnet::test_time_augmentation) const override {
         tactnet::evaluation result{0, tactnet::confusion_matrix(images.classes), {}, {}};
         in_parts(
             chosen.size(), model_.mean.size() * sizeof(float), [&](std::size_t first, std::size_t count) {
