@@ -92,7 +92,7 @@ TEST_SUITE("program") {
         }
     }
 
-    TEST_CASE("row_store: a damaged byte is told, and costs its row alone") {
+    TEST_CASE("row_store: a damaged byte is reported, and costs its row alone") {
         const support::temporary_folder folder;
         const auto path = folder / "rows";
         write_rows(path, rows);

@@ -82,7 +82,7 @@ TEST_SUITE("program") {
         CHECK(found.out.ends_with("\n7 problems\n"));
     }
 
-    TEST_CASE("check: half of the pressed tactels at 255 are too many, fewer are told") {
+    TEST_CASE("check: half of the pressed tactels at 255 are too many, fewer are counted") {
         const workshop shop;
         std::vector<std::uint8_t> pixels(rows * columns);
         std::fill_n(pixels.begin(), 21, std::uint8_t{100});
@@ -98,7 +98,7 @@ TEST_SUITE("program") {
         CHECK(shows(found, "left/image1.png: expected pressures that the sensor can tell, found 10 of 20 "));
     }
 
-    TEST_CASE("check: copies inside a class and files that are no images are told, and not wrong") {
+    TEST_CASE("check: copies within a class and files that are no images are reported, and no problem") {
         const workshop shop;
         fs::copy_file(shop.data() / "left/image0.png", shop.data() / "left/image12.png");
         tactnet::write_file(shop.data() / "right/notes.txt", std::string("notes"));

@@ -154,7 +154,7 @@ TEST_SUITE("program") {
         const char* names[] = {"svm-linear", "svm-rbf", "surf-svm"};
         for (std::size_t m = 0; m < 3; ++m) {
             CAPTURE(table[m + 1]);
-            // The bars are told apart with ease, by the window's edges even where only words count; chance
+            // The bars are easy to distinguish, by the window's edges even where only words count; chance
             // is a third.
             const std::string start = std::string(names[m]) + ",7,13,default,32,2,2,";
             REQUIRE(table[m + 1].find(start) == 0);

@@ -1,4 +1,4 @@
-// tactnet list, and what the commands take where nobody says which method.
+// tactnet list, and the default method of the commands.
 
 #include "../workshop.hpp"
 

@@ -17,12 +17,12 @@ TEST_SUITE("program") {
             more.insert(more.begin(), {"simulate", "--out", out, "--per-class", "2"});
             return shop.run(more);
         };
-        const outcome made = simulate("one", {"--threads", "1"});
+        const outcome made = simulate("one", "--threads 1");
         CHECK(made.status == 0);
         says(made.out, "44 images of 22 classes");
-        REQUIRE(simulate("three", {"--threads", "3"}).status == 0);
-        REQUIRE(simulate("other", {"--seed", "2"}).status == 0);
-        REQUIRE(simulate("ideal", {"--scene", "ideal"}).status == 0);
+        REQUIRE(simulate("three", "--threads 3").status == 0);
+        REQUIRE(simulate("other", "--seed 2").status == 0);
+        REQUIRE(simulate("ideal", "--scene ideal").status == 0);
         std::size_t files = 0, same = 0;
         for (const auto& entry : fs::recursive_directory_iterator(shop / "one"))
             if (entry.path().extension() == ".png") {
@@ -37,7 +37,7 @@ TEST_SUITE("program") {
         CHECK(files == 44);
         CHECK(same == 0);
 
-        // A folder begun with these settings is gone on with, any other left alone.
+        // A folder begun with these settings is continued, any other left alone.
         fs::remove(shop / "one" / "rock" / "00002.png");
         CHECK(simulate("one", {}).status == 0);
         CHECK(text_of(shop / "one" / "rock" / "00002.png") == text_of(shop / "three" / "rock" / "00002.png"));
@@ -56,7 +56,7 @@ TEST_SUITE("program") {
                          "simulation.json: expected images of the same simulation, {\"images per class\":2,");
         }
 
-        // Ended at its very beginning it can still be gone on with.
+        // Ended at its very beginning, it can still be continued.
         fs::create_directory(shop / "begun");
         fs::copy(shop / "one" / "simulation.json", shop / "begun");
         CHECK(simulate("begun", {}).status == 0);

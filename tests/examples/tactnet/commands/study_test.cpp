@@ -179,7 +179,7 @@ TEST_SUITE("program") {
         shop.refuses(study("s --report-only --shard 1/2"), "--shard excludes --report-only");
     }
 
-    TEST_CASE("study: times of programs compiled for other instruction sets stand beside its own") {
+    TEST_CASE("study: times of programs compiled for other instruction sets have columns of their own") {
         const workshop shop;
         const outcome timed = shop.succeeds(study("s --times-only"));
         CHECK(!fs::exists(shop / "s/evaluation.jsonl"));

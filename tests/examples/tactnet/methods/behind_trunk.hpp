@@ -1,19 +1,83 @@
 #pragma once
 
-// Methods behind a network that stays as it is: its features are found once.
+// Methods that begin with a network trained on photographs, and files of random weights as torchvision would
+// give them.
 
 #include "../workshop.hpp"
-#include "pretrained_weights.hpp"
 
 #include <tactnet/io/safetensors/source.hpp>
+#include <tactnet/io/safetensors/writer.hpp>
+#include <tactnet/networks/network.hpp>
+#include <tactnet/runtime/random.hpp>
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace support {
+
+/// The 16-bit number in front of one that is none of the smallest.
+inline std::uint16_t as_float16(float value) {
+    const auto bits = std::bit_cast<std::uint32_t>(value);
+    if (std::abs(value) < 0x1p-14F)
+        return 0;
+    return static_cast<std::uint16_t>((bits >> 16U & 0x8000U) | (((bits >> 23U & 0xFFU) - 112U) << 10U) |
+                                      (bits >> 13U & 0x3FFU));
+}
+
+/// All arrays of a network, weights of the usual size; in float16 on demand. `change`(name, extents) may
+/// change what an array is called or how large it is; an empty name leaves it out.
+template <class Network, class Change>
+void write_pretrained(const std::filesystem::path& file, tactnet::element_type type, const Change& change) {
+    tactnet::safetensors_writer writer;
+    writer.metadata["format"] = "pt";
+    tactnet::random_stream random(6, tactnet::random_purposes::order);
+    for (const tactnet::parameter& p : Network::describe()) {
+        std::string name = p.name;
+        std::vector<std::size_t> extents = p.extents;
+        change(name, extents);
+        if (name.empty())
+            continue;
+        // Few numbers again and again: hundreds of megabytes of them would take seconds.
+        std::vector<float> some(4099);
+        const bool one =
+            p.role == tactnet::parameter_role::scale || p.role == tactnet::parameter_role::running_variance;
+        const double most =
+            p.role == tactnet::parameter_role::weight ? std::sqrt(6.0 / static_cast<double>(p.fan_in)) : 0;
+        for (float& value : some)
+            value = static_cast<float>(random.uniform(-most, most) + (one ? 1 : 0));
+        std::vector<std::uint16_t> halves(some.size());
+        std::transform(some.begin(), some.end(), halves.begin(), as_float16);
+        const auto stored = type == tactnet::element_type::float16 ? std::as_bytes(std::span(halves))
+                                                                   : std::as_bytes(std::span(some));
+        std::size_t size = stored.size() / some.size();
+        for (const std::size_t extent : extents)
+            size *= extent;
+        writer.add(name, type, extents,
+                   [size, bytes = std::vector<std::byte>(stored.begin(), stored.end())](const auto& take) {
+                       for (std::size_t given = 0; given < size; given += bytes.size())
+                           take(std::span(bytes).first(std::min(bytes.size(), size - given)));
+                   });
+    }
+    // What stands behind a part of a network; behind whole ones there is nothing.
+    const std::string last = Network::describe().back().name;
+    const std::vector<float> one{1};
+    if (last != "fc.bias" && last != "classifier.1.bias")
+        writer.add("classifier.6.bias", {1}, std::span<const float>(one));
+    writer.write(file);
+}
+template <class Network>
+void write_pretrained(const std::filesystem::path& file,
+                      tactnet::element_type type = tactnet::element_type::float32) {
+    write_pretrained<Network>(file, type, [](std::string&, std::vector<std::size_t>&) {});
+}
 
 /// Fewer images than the workshop has: networks are large.
 inline void keep_images(const workshop& shop, std::size_t count) {
@@ -43,8 +107,8 @@ void check_from_end_to_end(const std::string& method, tactnet::element_type type
     CAPTURE(method);
     keep_images(shop, 3);
     write_pretrained<Network>(shop / "pretrained", type);
-    const outcome trained = shop.succeeds(
-        training(shop, method, "net", {"--validation", "0", "--test", "0.3", "--self-test", "1"}));
+    const outcome trained =
+        shop.succeeds(training(shop, method, "net", "--validation 0 --test 0.3 --self-test 1"));
     says(trained.error, "features of 9 of 9 images");
     CHECK_FALSE(fs::exists(shop / "net.features"));
     {
@@ -60,10 +124,7 @@ void check_from_end_to_end(const std::string& method, tactnet::element_type type
         CHECK(file.contains(selftest));
     }
     fs::remove(shop / "pretrained");
-    const outcome found =
-        shop.succeeds({"classify", "--weights", "net", (shop.data() / "left" / "image0.png").string(),
-                       (shop.data() / "right" / "image1.png").string()});
-    CHECK(lines_of(found.out).size() == 2);
+    CHECK(lines_of(shop.succeeds("classify --weights net IMAGE IMAGE").out).size() == 2);
     const outcome tested = shop.succeeds("evaluate --weights net --data DATA --results r");
     CHECK(text_of(shop / "r/confusion_net.csv") == text_of(shop / "net.confusion.csv"));
 }

@@ -1,4 +1,4 @@
-// What guards a stopped training: a checkpoint is gone on with only where all that decides the result is the
+// What guards a stopped training: a checkpoint is resumed only where all that decides the result is the
 // same.
 
 #include <tactnet/io/checkpoint.hpp>

@@ -60,9 +60,8 @@ TEST_SUITE("program") {
             shop.train_arguments("--start out/net.safetensors --output x"),
             "out/net.safetensors: metadata 'bits': expected weights in single precision to begin with, "
             "found '8'");
-        shop.refuses(
-            {"evaluate", "--weights", "out/net.safetensors", "--data", shop.data().string(), "--bits", "8"},
-            "--bits: expected a training, found --weights, whose file says itself");
+        shop.refuses("evaluate --weights out/net.safetensors --data DATA --bits 8",
+                     "--bits: expected a training, found --weights, whose file says itself");
     }
 
     TEST_CASE("train: of 8 bits, what has no such form says so") {
@@ -82,7 +81,7 @@ TEST_SUITE("program") {
         shop.trains("--epochs 1 --bits 8 --output net");
         rewrite_metadata(shop / "net", shop / "other", "network", "tactnet6-economical");
         shop.refuses(
-            {"export", "--weights", "other", "--output", "x.hpp"},
+            "export --weights other --output x.hpp",
             "other: metadata 'bits': expected weights in single precision, or a network whose form in 8 "
             "bits was compiled in");
         rewrite_metadata(shop / "net", shop / "other", "bits", "4");
@@ -95,8 +94,8 @@ TEST_SUITE("program") {
         const std::string data = shop.data().string();
         shop.trains("--epochs 8 --output float.safetensors");
         shop.trains("--epochs 8 --output bytes.safetensors --bits 8");
-        const outcome turned = shop.succeeds({"export", "--weights", "float.safetensors", "--bits", "8",
-                                              "--data", data, "--output", "out/turned.safetensors"});
+        const outcome turned = shop.succeeds(
+            "export --weights float.safetensors --bits 8 --data DATA --output out/turned.safetensors");
         // As training writes it, with the same images: those of the training, no others.
         const auto ours = tactnet::safetensors::read(shop / "out/turned.safetensors"),
                    theirs = tactnet::safetensors::read(shop / "bytes.safetensors");
@@ -106,14 +105,12 @@ TEST_SUITE("program") {
                           tensor.first);
         CHECK(ours.metadata().at("seed") == "5");
         CHECK(!ours.metadata().contains("test_accuracy"));
-        shop.succeeds({"evaluate", "--weights", "out/turned.safetensors", "--data", data});
+        shop.succeeds("evaluate --weights out/turned.safetensors --data DATA");
 
-        shop.succeeds(
-            {"export", "--weights", "float.safetensors", "--bits", "8", "--data", data, "--output", "a.hpp"});
+        shop.succeeds("export --weights float.safetensors --bits 8 --data DATA --output a.hpp");
         shop.succeeds("export --weights bytes.safetensors --output b.hpp");
-        CHECK((text_of(shop / "a.hpp") == text_of(shop / "b.hpp"))); // told without the texts
-        shop.succeeds({"export", "--weights", "float.safetensors", "--bits", "8", "--data", data, "--images",
-                       "all", "--output", "c.hpp"});
+        CHECK((text_of(shop / "a.hpp") == text_of(shop / "b.hpp"))); // a failure does not print the texts
+        shop.succeeds("export --weights float.safetensors --bits 8 --data DATA --images all --output c.hpp");
 
         const auto refuses = [&](words more, const std::string& sentence) {
             more.insert(more.begin(), "export");
@@ -121,22 +118,21 @@ TEST_SUITE("program") {
         };
         refuses("--weights float.safetensors --bits 8 --output x.hpp",
                 "--bits: expected --data with the images of the training");
-        refuses({"--weights", "float.safetensors", "--data", data, "--output", "x.hpp"},
+        refuses("--weights float.safetensors --data DATA --output x.hpp",
                 "--data: expected --bits 8, for which images are");
         refuses("--weights float.safetensors --output x.safetensors",
                 "--output: expected --bits 8, with which a weight file becomes another");
-        refuses({"--weights", "bytes.safetensors", "--bits", "8", "--data", data, "--output", "x.hpp"},
+        refuses("--weights bytes.safetensors --bits 8 --data DATA --output x.hpp",
                 "bytes.safetensors: metadata 'bits': expected weights in single precision");
-        refuses({"--weights", "float.safetensors", "--bits", "8", "--data", data, "--classes", data,
-                 "--output", "x.safetensors"},
+        refuses("--weights float.safetensors --bits 8 --data DATA --classes DATA --output x.safetensors",
                 "--classes: expected a header to write, found a weight file");
         // Images of another training.
         fs::remove(shop.data() / "left" / "image2.png");
-        refuses({"--weights", "float.safetensors", "--bits", "8", "--data", data, "--output", "x.hpp"},
+        refuses("--weights float.safetensors --bits 8 --data DATA --output x.hpp",
                 "expected the images that float.safetensors was trained on");
     }
 
-    TEST_CASE("evaluate: with --bits 8 each training is told in both forms, and done once") {
+    TEST_CASE("evaluate: with --bits 8 each training is reported in both formats, and done once") {
         const workshop shop;
         const auto evaluate = [&](const words& more) { return shop.run(evaluate_arguments(more)); };
         REQUIRE(evaluate("--method tactnet4").status == 0);
@@ -170,7 +166,7 @@ TEST_SUITE("program") {
         says(third.error, "0 trainings to do, 1 done before");
         CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 2);
 
-        // Of a training that was not done yet, both lines.
+        // A training that was not done yet adds both lines.
         REQUIRE(evaluate("--method tactnet4 --bits 8 --seed 3").status == 0);
         CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 4);
         // Results in 8 bits alone have nothing to compare with.

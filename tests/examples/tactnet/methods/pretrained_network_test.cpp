@@ -50,8 +50,8 @@ TEST_SUITE("program") {
             return;
         write_pretrained<squeezenet>(shop / "pretrained");
         tactnet::write_file(shop / "net.features", std::string_view("somebody's"));
-        const outcome trained = shop.succeeds(tuning.arguments(
-            "net", {"--pretrained", "pretrained", "--epochs", "2", "--self-test", "1", "--rate", "1e-4"}));
+        const outcome trained = shop.succeeds(
+            tuning.arguments("net", "--pretrained pretrained --epochs 2 --self-test 1 --rate 1e-4"));
         {
             const auto file = tactnet::safetensors_source::open(shop / "net");
             CHECK(file.metadata().at("network") == "squeezenet-nn");
@@ -78,10 +78,8 @@ TEST_SUITE("program") {
         CHECK_FALSE(fs::exists(shop / "results/features"));
 
         fs::remove(shop / "pretrained");
-        const std::string image = (shop.data() / "left" / "image0.png").string();
-        const outcome found = shop.succeeds({"classify", "--weights", "net", "--resize", image});
-        const outcome tested = shop.succeeds(
-            {"evaluate", "--weights", "net", "--resize", "--data", shop.data().string(), "--results", "r"});
+        const outcome found = shop.succeeds("classify --weights net --resize IMAGE");
+        const outcome tested = shop.succeeds("evaluate --weights net --resize --data DATA --results r");
         CHECK(text_of(shop / "r/confusion_net.csv") == text_of(shop / "net.confusion.csv"));
         const outcome exported = shop.succeeds("export --weights net --output net.hpp");
         const std::string header = text_of(shop / "net.hpp");
@@ -123,14 +121,14 @@ TEST_SUITE("program") {
                                              name = "";
                                      });
         shop.refuses(
-            tuning.arguments("net", {"--pretrained", "pretrained"}),
+            tuning.arguments("net", "--pretrained pretrained"),
             "pretrained: expected a tensor 'features.12.expand3x3.weight' of 256x64x3x3, found none of "
             "that name");
         write_pretrained<squeezenet>(shop / "pretrained");
-        shop.refuses(tuning.arguments("net", {"--pretrained", "pretrained", "--start", "other"}),
+        shop.refuses(tuning.arguments("net", "--pretrained pretrained --start other"),
                      "--start: expected a network that begins with random weights, found squeezenet-nn");
         shop.refuses(
-            tuning.arguments("net", {"--pretrained", "pretrained", "--input", "mean"}),
+            tuning.arguments("net", "--pretrained pretrained --input mean"),
             "--input: expected scale, as weights learnt from photographs want it, for squeezenet-nn; "
             "found mean");
     }

@@ -51,14 +51,14 @@ TEST_SUITE("program") {
             more = words("--epochs 400 --checkpoint-every 1e-9") + more;
             return training(shop, "squeezenet-pooled-nn", output, more);
         };
-        shop.succeeds(arguments("whole", {"--threads", "2"}));
+        shop.succeeds(arguments("whole", "--threads 2"));
         const pid_t child = shop.start(arguments("net", {}));
         shop.wait_for_file("net.checkpoint");
         shop.stop(child, SIGKILL);
         REQUIRE_FALSE(fs::exists(shop / "net"));
         // What another training cannot go on from it does not touch.
         const std::string kept = text_of(shop / "net.features");
-        const fs::path image = shop.data() / "left" / "image0.png";
+        const fs::path image = shop.image();
         fs::rename(image, shop / "away.png");
         const outcome refused = shop.run(arguments("net", {"--resume"}));
         fs::rename(shop / "away.png", image);
@@ -149,13 +149,12 @@ TEST_SUITE("program") {
         refuses("--start other",
                 "--start: expected a network that begins with random weights, found squeezenet-pooled-nn");
         const outcome trained =
-            shop.succeeds(training(shop, "squeezenet-pooled-nn", "net", {"--epochs", "1", "--test", "0.3"}));
+            shop.succeeds(training(shop, "squeezenet-pooled-nn", "net", "--epochs 1 --test 0.3"));
         shop.refuses(
-            {"export", "--weights", "net", "--output", "net.hpp"},
+            "export --weights net --output net.hpp",
             "net: expected a network, found the head of a frozen trunk squeezenet-pooled-nn, which cannot "
             "be written as a header");
-        shop.refuses({"classify", "--weights", "net", "--method", "squeezenet-pooled-svm",
-                      (shop.data() / "left" / "image0.png").string()},
+        shop.refuses("classify --weights net --method squeezenet-pooled-svm IMAGE",
                      "net: expected weights of squeezenet-pooled-svm as --method says, found those of "
                      "squeezenet-pooled-nn");
         const std::map<std::string, std::string> foreign{{"pooling", "none"},
@@ -164,8 +163,7 @@ TEST_SUITE("program") {
                                                          {"photograph", "224x224"}};
         for (const auto& [key, value] : foreign) {
             rewrite_metadata(shop / "net", shop / "other", key, value);
-            const outcome refused =
-                shop.run({"classify", "--weights", "other", (shop.data() / "left" / "image0.png").string()});
+            const outcome refused = shop.run("classify --weights other IMAGE");
             CHECK(refused.status == 2);
             says(refused.error, "other: metadata '" + key + "': expected '");
             says(refused.error, "found '" + value + "'");
@@ -174,13 +172,11 @@ TEST_SUITE("program") {
         std::string flipped = whole;
         flipped[whole.size() / 2] = static_cast<char>(flipped[whole.size() / 2] ^ 1);
         tactnet::write_file(shop / "flipped", flipped);
-        shop.refuses({"classify", "--weights", "flipped", (shop.data() / "left" / "image0.png").string()},
-                     "flipped: checksum of the whole file: expected");
+        shop.refuses("classify --weights flipped IMAGE", "flipped: checksum of the whole file: expected");
         rewrite(shop / "net", shop / "moved", "trunk.features.12.squeeze.weight", [](std::vector<float>& v) {
             for (float& value : v)
                 value *= 2;
         });
-        shop.refuses({"classify", "--weights", "moved", (shop.data() / "left" / "image0.png").string()},
-                     "moved: self-test, image 0, class ");
+        shop.refuses("classify --weights moved IMAGE", "moved: self-test, image 0, class ");
     }
 }

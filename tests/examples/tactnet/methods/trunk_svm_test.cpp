@@ -1,8 +1,6 @@
 // Support vector machines behind networks that were trained on photographs.
 
-#include "../workshop.hpp"
 #include "behind_trunk.hpp"
-#include "pretrained_weights.hpp"
 
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/write_file.hpp>
@@ -155,7 +153,7 @@ TEST_SUITE("program") {
         mine.release(file);
         CHECK(shop.wait(waits).status == 0);
 
-        // Other weights give other features, which stand beside them.
+        // Other weights give other features, in a file of their own.
         write_pretrained<squeezenet>(shop / "pretrained", element_type::float16);
         CHECK(finds(evaluate("squeezenet-pooled-svm")));
         CHECK(text_of(file) == whole);
@@ -185,7 +183,7 @@ TEST_SUITE("program") {
         shop.refuses("evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --pretrained pretrained",
                      "found tactnet4, which learns all by itself");
         shop.refuses(
-            {"evaluate", "--data", shop.data().string(), "--weights", "net", "--pretrained", "p"},
+            "evaluate --data DATA --weights net --pretrained p",
             "--pretrained: expected a training, found --weights, whose file holds all that it needs");
         tactnet::write_file(shop / "pretrained", std::string_view("no such file"));
         refuses("squeezenet-svm",
@@ -210,13 +208,12 @@ TEST_SUITE("program") {
         });
         refuses("squeezenet-svm",
                 "pretrained: tensor 'features.0.weight': expected 64x3x3x3, found 3x3x3x64");
-        // Of the file of a training, what it needs is its own.
+        // The file of a training holds all that it needs.
         write_pretrained<squeezenet>(shop / "pretrained");
         keep_images(shop, 3);
-        shop.succeeds(training(shop, "squeezenet-pooled-svm", "net", {"--test", "0.3"}));
-        const std::string image = (shop.data() / "left" / "image0.png").string();
+        shop.succeeds(training(shop, "squeezenet-pooled-svm", "net", "--test 0.3"));
         const auto refuses_file = [&](const std::string& name, const std::string& sentence) {
-            shop.refuses({"classify", "--weights", name, image}, name + ": " + sentence);
+            shop.refuses({"classify", "--weights", name, "IMAGE"}, name + ": " + sentence);
         };
         rewrite(shop / "net", shop / "nan", "trunk.features.0.bias",
                 [](std::vector<float>& v) { v[3] = std::numeric_limits<float>::infinity(); });

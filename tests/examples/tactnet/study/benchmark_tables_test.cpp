@@ -1,4 +1,4 @@
-// Tables that a study reads beside its own results: times of other libraries, and bytes of code.
+// Tables that a study reads in addition to its own results: times of other libraries, and bytes of code.
 
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/write_file.hpp>
@@ -65,7 +65,7 @@ TEST_SUITE("the program tactnet") {
                    "torch of tactnet6 28x50: 410 us in 32 bits on ",
                    "onednn of tactnet4 7x13: 5.25 us in 32 bits on ",
                    "torch of tactnet4 7x13: 120 us in 32 bits on "});
-        // Those in 8 bits are told apart, and what did not run is left out.
+        // Columns in 8 bits are recognised, and what did not run is left out.
         CHECK(peers_in_words("network,batch,tactnet_8bit_us,onednn_8bit_us,onednn_8bit_spread,torch_us\n"
                              "tactnet6/28x50,1,11.5,38.5,0.01,nan\n") ==
               list{"onednn of tactnet6 28x50: 38.5 us in 8 bits on "});

@@ -1,6 +1,6 @@
 #pragma once
 
-// Rows of a study that nobody made.
+// Rows of a made-up study.
 
 #include <cstddef>
 #include <string>

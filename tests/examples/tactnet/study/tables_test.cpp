@@ -92,7 +92,7 @@ TEST_SUITE("program") {
         CHECK(has(text, "<tr><th>b</th><td></td><td></td></tr>"));
     }
 
-    TEST_CASE("study_rows: the mean over reflections stands beside that of images as they are") {
+    TEST_CASE("study_rows: the mean over reflections follows the mean of images as they are") {
         std::vector<study_row> rows{studied("net", 0.875, 10)};
         CHECK(!has(page(rows), "90.50 ± 0.75"));
         rows[0].accuracies.front().reflected = {0.905, 0.0075};
@@ -116,7 +116,7 @@ TEST_SUITE("program") {
                                    "calibration_error,brier_score,"));
     }
 
-    TEST_CASE("study_markdown: beside each of the paper's methods the fastest that is at least as accurate") {
+    TEST_CASE("study_markdown: for each of the paper's methods the fastest that is at least as accurate") {
         std::vector<study_row> rows{studied("slow", 0.96, 1000), studied("fast", 0.95, 10),
                                     studied("fastest", 0.7, 1)};
         CHECK(!has(markdown(rows), "study against")); // of other images than the paper's
