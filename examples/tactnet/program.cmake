@@ -125,14 +125,14 @@ function(tactnet_add_program target)
             )
         endforeach()
     endforeach()
-    # Behind the networks: support vector machines and heads for images of each size.
+    # After the networks: support vector machines and heads for images of each size.
     foreach(size IN LISTS all_sizes)
         string(REPLACE "x" ", " extents "${size}")
         tactnet_add_unit(
             "surf_${size}" "#include \"methods/support_vector_machines/surf_features.hpp\"\n"
             "std::unique_ptr<image_features>" "std::make_unique<surf_features<tactnet::shape{${extents}}>>()"
         )
-        string(APPEND calls "\n    add_methods_behind_features(methods, {${extents}}, make_surf_${size}, trunks);")
+        string(APPEND calls "\n    add_methods_on_features(methods, {${extents}}, make_surf_${size}, trunks);")
     endforeach()
     # Trunks take photographs, which images of all sizes become.
     foreach(trunk IN LISTS trunks)

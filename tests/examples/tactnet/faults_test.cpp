@@ -202,7 +202,7 @@ TEST_SUITE("program") {
         const pid_t child = shop.start(shop.train_arguments("--epochs 100000 --output net"));
         std::signal(SIGHUP, before);
         shop.wait_for_first_epoch(child);
-        // By the shell and by the system; what comes before the one in front of it is caught counts as the
+        // By the shell and by the system; what comes before the previous one is caught counts as the
         // same.
         for (int i = 0; i < 10; ++i) {
             kill(child, SIGHUP);

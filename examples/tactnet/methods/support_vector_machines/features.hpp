@@ -39,8 +39,8 @@ public:
 /// Makes features that are compiled for a size.
 using make_features = std::unique_ptr<image_features>();
 
-/// Adds support vector machines on images of one size and, behind each of the trunks, support vector machines
-/// and heads. `surf` makes the features of the paper's baseline.
-void add_methods_behind_features(std::vector<std::unique_ptr<method>>& methods, tactnet::extent2d image,
-                                 make_features* surf,
-                                 const std::vector<std::shared_ptr<const compiled_trunk>>& trunks);
+/// Adds support vector machines on images of one size and, on the features of each trunk, support vector
+/// machines and heads. `surf` makes the features of the paper's baseline.
+void add_methods_on_features(std::vector<std::unique_ptr<method>>& methods, tactnet::extent2d image,
+                             make_features* surf,
+                             const std::vector<std::shared_ptr<const compiled_trunk>>& trunks);

@@ -1,6 +1,6 @@
-// Support vector machines as methods: on pixels, behind histograms of SURF words as in the paper's baseline,
-// and behind a network that was trained on photographs: the paper's SqueezeNet-SVM, AlexNet-SVM, ResNet50-SVM
-// and VGG16-SVM, and what does better than these.
+// Support vector machines as methods: on pixels, on histograms of SURF words as in the paper's baseline,
+// and on features of a network that was trained on photographs: the paper's SqueezeNet-SVM, AlexNet-SVM,
+// ResNet50-SVM and VGG16-SVM, and what does better than these.
 
 #include "methods/description.hpp"
 #include "methods/support_vector_machines/features.hpp"
@@ -24,7 +24,7 @@
 
 namespace {
 
-/// Which machine, and which features in front of it: pixels by a scale, SURF words where that is 0, or those
+/// Which machine, and on which features: pixels by a scale, SURF words where that is 0, or those
 /// of a trunk.
 struct svm_recipe {
     std::string_view name;
@@ -100,7 +100,7 @@ private:
     std::shared_ptr<const trunk_features> own_;
 };
 
-/// A support vector machine with the features in front of it.
+/// A support vector machine with its features.
 class trained_svm final : public trained_method {
 public:
     trained_svm(tactnet::extent2d image, std::shared_ptr<const image_features> features,
@@ -366,9 +366,9 @@ private:
 
 } // namespace
 
-void add_methods_behind_features(std::vector<std::unique_ptr<method>>& methods, tactnet::extent2d image,
-                                 make_features* surf,
-                                 const std::vector<std::shared_ptr<const compiled_trunk>>& trunks) {
+void add_methods_on_features(std::vector<std::unique_ptr<method>>& methods, tactnet::extent2d image,
+                             make_features* surf,
+                             const std::vector<std::shared_ptr<const compiled_trunk>>& trunks) {
     for (const svm_recipe& recipe : svm_recipes()) {
         if (recipe.trunk.empty())
             methods.push_back(std::make_unique<svm_method>(recipe, image, surf, nullptr));

@@ -20,7 +20,7 @@
 #include <string_view>
 #include <vector>
 
-/// How the names of a trunk's arrays begin in the file of a method that is trained behind it.
+/// How the names of a trunk's arrays begin in the file of a method that is trained on its features.
 inline constexpr std::string_view trunk_prefix = "trunk.";
 
 enum class trunk_pooling {
@@ -51,12 +51,12 @@ using loaded_trunk = std::function<bool(tactnet::thread_pool& threads, std::span
 struct compiled_trunk {
     photograph_network network;
     std::string_view features; ///< the layer it ends in, as the paper's authors have it: "fire9-concat"
-    /// How the names of arrays behind the trunk begin, which a file may hold or not.
+    /// How the names of arrays after the trunk begin, which a file may hold or not.
     std::vector<std::string> behind;
     tactnet::shape photograph, map;
     method_costs costs; ///< of one photograph
 
-    std::string_view head_method; ///< the method that trains a head behind it: "squeezenet-pooled-nn"
+    std::string_view head_method; ///< the method that trains a head on it: "squeezenet-pooled-nn"
     trunk_features_form head_features;
     compiled_network head; ///< of features; it is never deployed
 

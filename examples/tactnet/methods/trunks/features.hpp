@@ -51,13 +51,14 @@ struct feature_finder {
 /// image needs it. Const calls may come from any number of threads.
 class trunk_features final : public pretrained_weights {
 public:
-    /// Throws tactnet::file_error unless the file has the arrays of the trunk, their names behind `prefix`.
+    /// Throws tactnet::file_error unless the file has the arrays of the trunk, their names after `prefix`.
     trunk_features(feature_finder finder, std::shared_ptr<tactnet::safetensors_source> file,
                    std::string prefix);
     /// A file of pretrained weights. Throws tactnet::file_error.
     static std::shared_ptr<pretrained_weights> open(const feature_finder& finder,
                                                     const std::filesystem::path& path);
-    /// The trunk in the weight file of a method behind it. Throws tactnet::file_error where there is none.
+    /// The trunk in the weight file of a method on its features. Throws tactnet::file_error where there is
+    /// none.
     static std::shared_ptr<const trunk_features> stored(const feature_finder& finder,
                                                         const weight_file& file);
 
@@ -93,7 +94,7 @@ private:
 /// pixel of the photograph that lies half-way between two counts may be rounded to either.
 inline constexpr double feature_rounding = 0.02;
 
-/// Heads behind the trunks, for images of one size.
+/// Heads on the trunks, for images of one size.
 std::vector<std::unique_ptr<method>>
 make_trunk_head_methods(tactnet::extent2d image,
                         const std::vector<std::shared_ptr<const compiled_trunk>>& trunks);

@@ -1,4 +1,4 @@
-// Heads that are trained behind a frozen trunk, as methods.
+// Heads that are trained on a frozen trunk, as methods.
 
 #include "methods/description.hpp"
 #include "methods/trunks/features.hpp"
@@ -11,7 +11,7 @@
 
 namespace {
 
-/// A frozen trunk with the head that was trained behind it.
+/// A frozen trunk with the head that was trained on it.
 class trained_trunk_head final : public trained_method {
 public:
     trained_trunk_head(const compiled_network& head, tactnet::extent2d image,

@@ -1,6 +1,6 @@
 // Networks that begin with weights learnt from photographs, and are trained on.
 
-#include "behind_trunk.hpp"
+#include "photograph_networks.hpp"
 
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/write_file.hpp>

@@ -1,6 +1,6 @@
-// Layers that are trained behind networks which were trained on photographs and stay as they are.
+// Layers that are trained on frozen networks, which were trained on photographs.
 
-#include "behind_trunk.hpp"
+#include "photograph_networks.hpp"
 
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/networks.hpp>

@@ -1,6 +1,6 @@
-// Support vector machines behind networks that were trained on photographs.
+// Support vector machines on features of networks that were trained on photographs.
 
-#include "behind_trunk.hpp"
+#include "photograph_networks.hpp"
 
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/write_file.hpp>
@@ -124,7 +124,7 @@ TEST_SUITE("program") {
         // What a killed program has locked goes.
         const fs::path lock = shop / "results/features/.tactnet-0123456789abcdef.lock";
         tactnet::write_file(lock, "");
-        // Nothing is left to do; then another machine behind the same features; then all again.
+        // Nothing is left to do; then another machine on the same features; then all again.
         CHECK_FALSE(finds(evaluate("squeezenet-pooled-svm,svm-linear")));
         CHECK_FALSE(fs::exists(lock));
         CHECK_FALSE(finds(evaluate("squeezenet-pooled-rbf")));

@@ -23,7 +23,7 @@
 
 namespace support {
 
-/// The 16-bit number in front of one that is none of the smallest.
+/// A number of normal size, rounded towards zero to 16 bits.
 inline std::uint16_t as_float16(float value) {
     const auto bits = std::bit_cast<std::uint32_t>(value);
     if (std::abs(value) < 0x1p-14F)
@@ -66,7 +66,7 @@ void write_pretrained(const std::filesystem::path& file, tactnet::element_type t
                            take(std::span(bytes).first(std::min(bytes.size(), size - given)));
                    });
     }
-    // What stands behind a part of a network; behind whole ones there is nothing.
+    // What follows a part of a network; nothing follows a whole one.
     const std::string last = Network::describe().back().name;
     const std::vector<float> one{1};
     if (last != "fc.bias" && last != "classifier.1.bias")
