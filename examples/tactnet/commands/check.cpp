@@ -130,8 +130,7 @@ int check_data(const std::filesystem::path& folder) {
 
 command add_check(CLI::App& program) {
     auto* app = program.add_subcommand(
-        "check",
-        "Show what is in a folder of images and what is wrong with it, and whether it is the paper's");
+        "check", "Describe a folder of images, report problems, and compare it with the paper's data set");
     auto folder = std::make_shared<std::string>();
     add_data_option(*app, *folder);
     return [folder] { return check_data(*folder); };

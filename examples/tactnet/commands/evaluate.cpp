@@ -245,11 +245,11 @@ void add_run_options(CLI::App& app, evaluate_options& o) {
     app.add_option("--splits", o.splits, "Splits of each kind")->check(whole_number(1, 10'000));
     app.add_option("--seed", o.first_seed, "Seed of the first split; the others follow")->check(seed());
     app.add_option("--results", o.results,
-                   "Folder for results; finished trainings found there are not done again");
+                   "Folder for results; trainings that are finished there are not repeated");
     app.add_flag("--afresh", o.afresh,
-                 "Forget finished trainings found there, as one should when the library itself has changed");
+                 "Discard the finished trainings in that folder, for example after a change of the library");
     app.add_option("--jobs,--threads", o.jobs,
-                   "Trainings at the same time; the results do not depend on it (default: one a core)")
+                   "Trainings at the same time; the results do not depend on it (default: one per core)")
         ->check(whole_number(1, 1024));
 }
 
@@ -279,13 +279,14 @@ command add_evaluate(CLI::App& program) {
     auto o = std::make_shared<evaluate_options>();
     add_data_option(*app, o->data);
     app->add_option("--method", o->methods,
-                    fmt::format("Methods, separated by commas; of {} (default: {})", method_names(),
+                    fmt::format("Methods, separated by commas: {} (default: {})", method_names(),
                                 fmt::join(default_methods(), ",")))
         ->delimiter(',');
     add_training_options(*app, o->training);
-    app->add_option("--sizes", o->sizes,
-                    "Several sizes, such as 28x50,14x25, instead of --rows and --columns; images of another "
-                    "size need --resize")
+    app->add_option(
+           "--sizes", o->sizes,
+           "Sizes, such as 28x50,14x25, in place of --rows and --columns; images of another size need "
+           "--resize")
         ->delimiter(',');
     add_bits_option(*app, o->training.bits,
                     "8: each training also as a network in 8 bits, with the ranges of maps from its training "

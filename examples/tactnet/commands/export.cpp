@@ -140,16 +140,14 @@ command add_export(CLI::App& program) {
     add_bits_option(*app, o->bits,
                     "8: turn weights in single precision into 8 bits; a file in 8 bits needs no such option");
     app->add_option("--data", o->data, "With --bits 8: the folder of images that the network was trained on");
-    app->add_option(
-           "--images", o->images,
-           "Of these the 'training' images of the split it was trained on, or 'all': never those that "
-           "it is judged by")
+    app->add_option("--images", o->images,
+                    "Use the 'training' images of its split, or 'all' images; never use test images")
         ->check(CLI::IsMember({"training", "all"}));
-    app->add_option("--namespace", o->namespace_name, "Namespace of everything in it");
+    app->add_option("--namespace", o->namespace_name, "Namespace of the header");
     app->add_option(
            "--packing", o->packing,
-           "When weights are brought into the order of use (default: when-compiling if there are few "
-           "enough for the usual limits of compilers)")
+           "When weights are packed (default: when-compiling if that stays within the usual limits of "
+           "compilers)")
         ->check(CLI::IsMember({"when-compiling", "at-start"}));
     return [o] { return export_network(*o); };
 }

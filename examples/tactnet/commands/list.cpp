@@ -41,10 +41,10 @@ int list(std::optional<std::size_t> classes) {
 } // namespace
 
 command add_list(CLI::App& program) {
-    auto* app = program.add_subcommand("list", "Show the methods that were compiled in, and what they cost");
+    auto* app = program.add_subcommand("list", "List the methods that were compiled in, with their costs");
     auto classes = std::make_shared<std::optional<std::size_t>>();
     app->add_option("--classes", *classes,
-                    "Classes to tell apart, 2 or more (default: as many as the program can)")
+                    "Number of classes, 2 or more (default: the maximum of this program)")
         ->check(whole_number(2, most_classes()));
     return [classes] { return list(*classes); };
 }

@@ -115,17 +115,17 @@ int recommend(const recommend_options& o) {
 
 command add_recommend(CLI::App& program) {
     auto* app = program.add_subcommand(
-        "recommend", "The most accurate network of a study that keeps a budget, and its type in C++");
+        "recommend", "Print the most accurate network of a study within a budget, and its C++ type");
     auto o = std::make_shared<recommend_options>();
     app->add_option("--results", o->results, "Folder of a study");
-    app->add_option("--microseconds", o->microseconds, "The most that a frame may take")
-        ->check(positive_number());
-    app->add_option("--bytes", o->bytes, "The most that its weights may take")
+    app->add_option("--microseconds", o->microseconds, "Maximum time per frame")->check(positive_number());
+    app->add_option("--bytes", o->bytes, "Maximum size of the weights")
         ->check(whole_number(1, 1'000'000'000'000));
     app->add_option("--rows", o->rows, "Rows of the sensor, or fewer after resizing")
         ->check(whole_number(1, 100'000));
-    app->add_option("--columns", o->columns, "Columns, likewise")->check(whole_number(1, 100'000));
-    app->add_option("--split", o->split, "Splits that count: 'random' or 'blocked'")
+    app->add_option("--columns", o->columns, "Columns of the sensor, or fewer after resizing")
+        ->check(whole_number(1, 100'000));
+    app->add_option("--split", o->split, "Splits to compare by: 'random' or 'blocked'")
         ->check(CLI::IsMember({"random", "blocked"}));
     return [o] { return recommend(*o); };
 }

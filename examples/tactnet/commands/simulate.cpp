@@ -157,15 +157,14 @@ int simulate(const simulate_options& o) {
 } // namespace
 
 command add_simulate(CLI::App& program) {
-    auto* app = program.add_subcommand("simulate",
-                                       "Make labelled images of the paper's 22 classes, without a sensor");
+    auto* app = program.add_subcommand("simulate", "Simulate labelled images of the paper's 22 classes");
     auto o = std::make_shared<simulate_options>();
     app->add_option("--out", o->out,
-                    "Folder to write: one subfolder a class, each with 28 x 50 8-bit PNG images")
+                    "Folder to write: one subfolder per class, each with 28 x 50 8-bit PNG images")
         ->type_name("FOLDER")
         ->required();
     app->add_option("--per-class", o->per_class, "Images of each class")->check(whole_number(1, 100'000));
-    app->add_option("--seed", o->seed, "Of everything that is drawn; the same seed gives the same bits")
+    app->add_option("--seed", o->seed, "Seed of all random draws; the same seed gives bit-identical images")
         ->check(seed());
     std::vector<std::string> names;
     std::string says = "What is simulated:";
@@ -174,7 +173,8 @@ command add_simulate(CLI::App& program) {
         names.emplace_back(scene.name);
     }
     app->add_option("--scene", o->scene, says)->check(CLI::IsMember(names));
-    app->add_option("--threads", o->threads, "Threads; the images do not depend on it (default: one a core)")
+    app->add_option("--threads", o->threads,
+                    "Number of threads; the images do not depend on it (default: one per core)")
         ->check(whole_number(1, 1024));
     return [o] { return simulate(*o); };
 }

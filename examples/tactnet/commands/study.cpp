@@ -275,11 +275,12 @@ int study(const study_options& o) {
 
 command add_study(CLI::App& program) {
     auto* app = program.add_subcommand(
-        "study", "Train and time all methods at all sizes, beside the paper's results, on one page");
+        "study", "Train and time all methods at all sizes, and compare them with the paper on one page");
     auto o = std::make_shared<study_options>();
     add_data_option(*app, o->data);
-    app->add_option("--results", o->results,
-                    "Folder for results; what is found there is not done again, by any number of programs");
+    app->add_option(
+        "--results", o->results,
+        "Folder for results, which several programs can share; finished trainings are not repeated");
     std::set<std::string> names, sizes;
     for (const auto& m : all_methods()) {
         names.insert(m->name);
@@ -297,36 +298,33 @@ command add_study(CLI::App& program) {
     app->add_option("--split", o->split, "'random', 'blocked' or 'both'")
         ->check(CLI::IsMember({"both", "random", "blocked"}));
     app->add_option("--splits", o->splits, "Splits of each kind")->check(whole_number(1, 10'000));
-    app->add_option(
-           "--pretrained", o->pretrained,
-           "Networks trained on photographs, such as squeezenet=FILE, for the methods that begin with "
-           "one")
+    app->add_option("--pretrained", o->pretrained,
+                    "ImageNet-pretrained networks, such as squeezenet=FILE, for the methods that need one")
         ->delimiter(',');
     app->add_option("--peers", o->peers,
-                    "Other libraries' times for the same networks, drawn beside: tables of "
-                    "benchmark_inference, made on "
-                    "this machine")
+                    "Times of other libraries for the same networks, for the pictures: tables of "
+                    "benchmark_inference from this machine")
         ->delimiter(',');
     app->add_option("--code-bytes", o->code_bytes,
-                    "What networks take of a program beside their weights: the table that the target "
-                    "tactnet_program_code_bytes writes");
+                    "Code size of the networks: the table that the target tactnet_program_code_bytes writes");
     add_bits_option(
         *app, o->bits,
         "8: networks in 8 bits too, where that form was compiled in; 32: in single precision alone");
-    app->add_option("--jobs", o->jobs, "Trainings at the same time (default: one a core)")
+    app->add_option("--jobs", o->jobs, "Trainings at the same time (default: one per core)")
         ->check(whole_number(1, 1024));
-    app->add_option("--shard", o->shard, "One part of all trainings, such as 2/8, for one machine of eight");
-    app->add_option("--merge", o->merged, "Folders of other parts, whose trainings are taken over")
+    app->add_option("--shard", o->shard,
+                    "One part of all trainings, such as 2/8 on the second of eight machines");
+    app->add_option("--merge", o->merged, "Folders of other parts, whose trainings are added")
         ->delimiter(',');
-    app->add_flag("--report-only", o->report_only,
-                  "Train and time nothing; write what is there, by other versions and instruction sets too")
+    app->add_flag(
+           "--report-only", o->report_only,
+           "Train and time nothing; report the results in the folder, also those of other versions and "
+           "instruction sets")
         ->excludes("--shard"); // a part has no report
     app->add_flag("--only-trained", o->only_trained,
-                  "Leave out of the report methods without a training; those of the paper that were not "
-                  "compiled in stay");
+                  "Omit methods without a training from the report, but keep the paper's");
     app->add_flag("--times-only", o->times_only,
-                  "Train nothing and write no page; time the methods, for programs compiled for other "
-                  "instruction sets")
+                  "Only time the methods, in a program compiled for another instruction set")
         ->excludes("--report-only")
         ->excludes("--shard")
         ->excludes("--merge");

@@ -356,12 +356,13 @@ int train(const train_options& o) {
 } // namespace
 
 command add_train(CLI::App& program) {
-    auto* app = program.add_subcommand("train", "Train a network, the head of a frozen one or a support "
-                                                "vector machine on a folder of images, and save it");
+    auto* app = program.add_subcommand("train", "Train a network, the head of a pretrained one or a "
+                                                "support vector machine on a folder of images");
     auto o = std::make_shared<train_options>();
     add_data_option(*app, o->data);
     app->add_option("--method", o->method, "One of " + method_names());
-    app->add_option("--output", o->output, "Weight file to write; curves and confusion matrix go beside it")
+    app->add_option("--output", o->output,
+                    "Weight file to write; learning curves and confusion matrix are written next to it")
         ->type_name("FILE")
         ->required();
     add_training_options(*app, o->training, "--pretrained,--weights");
@@ -371,20 +372,21 @@ command add_train(CLI::App& program) {
     app->add_option("--split", o->split,
                     "'random', or 'blocked': neighbours in the order of recording stay together")
         ->check(CLI::IsMember({"random", "blocked"}));
-    app->add_option("--seed", o->seed, "Of the split, the first weights and the order")->check(seed());
-    app->add_option("--threads", o->threads, "Threads; the result does not depend on it")
+    app->add_option("--seed", o->seed, "Seed of the split, the initial weights and the order of images")
+        ->check(seed());
+    app->add_option("--threads", o->threads, "Number of threads; the result does not depend on it")
         ->check(whole_number(1, 1024));
     app->add_option("--checkpoint", o->checkpoint,
-                    "Where a stopped training is kept (default: OUTPUT.checkpoint)");
-    app->add_option("--checkpoint-every", o->checkpoint_minutes,
-                    "Minutes between checkpoints of a running training")
+                    "File of the checkpoint of a stopped training (default: OUTPUT.checkpoint)");
+    app->add_option("--checkpoint-every", o->checkpoint_minutes, "Minutes between checkpoints")
         ->check(positive_number());
     auto* resume =
-        app->add_flag("--resume", o->resume, "Go on from the checkpoint, to the same bits as in one go");
-    app->add_flag("--afresh", o->afresh, "Start anew though there is a checkpoint, and give that up")
+        app->add_flag("--resume", o->resume,
+                      "Continue from the checkpoint; the result is bit-identical to an uninterrupted run");
+    app->add_flag("--afresh", o->afresh, "Start from the beginning and discard the checkpoint")
         ->excludes(resume);
     app->add_option("--self-test", o->selftest,
-                    "Made-up images kept in the weight file with what came of them; loading checks them")
+                    "Synthetic images stored in the weight file with their outputs; loading checks them")
         ->check(whole_number(0, 100));
     return [o] { return train(*o); };
 }

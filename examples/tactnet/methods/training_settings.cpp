@@ -76,48 +76,50 @@ bool may_be_thorough(const method& what) {
 void add_data_option(CLI::App& command, std::string& folder) {
     command
         .add_option("--data", folder,
-                    "Folder with one subfolder a class, each with 8-bit grey JPEG or PNG images")
+                    "Folder with one subfolder per class, each with 8-bit grey JPEG or PNG images")
         ->type_name("FOLDER")
         ->required();
 }
 
 void add_training_options(CLI::App& command, training_settings& s, const std::string& pretrained) {
-    command.add_option("--rows", s.rows, "Rows of an image, tactels")->check(whole_number(1, 4096));
-    command.add_option("--columns", s.columns, "Columns of an image, tactels")->check(whole_number(1, 4096));
+    command.add_option("--rows", s.rows, "Rows of an image")->check(whole_number(1, 4096));
+    command.add_option("--columns", s.columns, "Columns of an image")->check(whole_number(1, 4096));
     command.add_flag("--resize", s.resize,
-                     "Resize images of another size (bicubic); without it they are an error");
+                     "Resize images of another size (bicubic); otherwise they are an error");
     command
         .add_option(
             "--recipe", s.recipe,
-            "How to train: 'default', 'thorough' (the same for longer), or as 'published' with the network")
+            "Training recipe: 'default', 'thorough' (the same for longer), or 'published' (the paper's)")
         ->check(CLI::IsMember(recipe_names()));
-    command.add_option("--epochs", s.epochs, "Most epochs (default: the recipe's)")
+    command.add_option("--epochs", s.epochs, "Maximum number of epochs (default: the recipe's)")
         ->check(whole_number(1, 1'000'000));
-    command.add_option("--batch", s.batch, "Images a step, 0 is all (default: the recipe's)")
+    command.add_option("--batch", s.batch, "Images per step, 0 for all (default: the recipe's)")
         ->check(whole_number(0, 1'000'000));
     command.add_option("--rate", s.rate, "Highest learning rate (default: the recipe's)")
         ->check(positive_number());
     command
-        .add_option("--input", s.input,
-                    "Counts minus their 'mean' image, 'scale'd by 1/255, or 'counts' as they are (default: "
-                    "the recipe's)")
+        .add_option(
+            "--input", s.input,
+            "Subtract the 'mean' image, 'scale' counts by 1/255, or use 'counts' unchanged (default: the "
+            "recipe's)")
         ->check(CLI::IsMember({"mean", "scale", "counts"}));
     command
         .add_option("--augmentation", s.augmentation,
-                    "New images: 'none', drawn anew 'each-epoch', or five for each image once: 'sixfold' "
-                    "(default: the recipe's)")
+                    "Augmentation: 'none', new images in 'each-epoch', or five more per image, drawn once: "
+                    "'sixfold' (default: the recipe's)")
         ->check(CLI::IsMember({"none", "each-epoch", "sixfold"}));
-    command.add_option(
-        "--start", s.start,
-        "Begin with the network of this weight file, such as one trained on simulated images, in place of "
-        "random weights; the default recipe then takes 0.3 of its rate");
+    command.add_option("--start", s.start,
+                       "Start from the network of this weight file, for example one trained on simulated "
+                       "images, and not from "
+                       "random weights; the default recipe then uses 0.3 of its learning rate");
     command.add_option(pretrained, s.pretrained,
-                       "For methods that begin with a network trained on photographs, such as "
-                       "squeezenet-svm: its weights, a safetensors file with torchvision's names");
+                       "Weights of an ImageNet-pretrained network, for methods such as squeezenet-svm: a "
+                       "safetensors file with torchvision's names");
     command
-        .add_option("--validation", s.shares.validation, "Share of each class to choose the best epoch by")
+        .add_option("--validation", s.shares.validation,
+                    "Share of each class for validation, which selects the best epoch")
         ->check(share());
-    command.add_option("--test", s.shares.test, "Share of each class kept for the test")->check(share());
+    command.add_option("--test", s.shares.test, "Share of each class for the test")->check(share());
 }
 
 void add_bits_option(CLI::App& command, std::size_t& bits, const std::string& what_for) {

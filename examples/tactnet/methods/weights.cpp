@@ -24,22 +24,24 @@ void add_weight_options(CLI::App& command, weight_options& o, bool required) {
         ->required(required);
     if (required) { // elsewhere these exist already, for other purposes too
         command.add_option("--method", o.method,
-                           "For weight files that do not say it: one of " + method_names());
-        command.add_option("--rows", o.rows, "Likewise: rows of an image, tactels")
+                           "The method, if the weight file does not state it: one of " + method_names());
+        command.add_option("--rows", o.rows, "Rows of an image, if the weight file does not state them")
             ->check(whole_number(1, 4096));
-        command.add_option("--columns", o.columns, "Likewise: columns of an image, tactels")
+        command
+            .add_option("--columns", o.columns, "Columns of an image, if the weight file does not state them")
             ->check(whole_number(1, 4096));
         command.add_flag("--resize", o.resize,
-                         "Resize images of another size (bicubic); without it they are an error");
+                         "Resize images of another size (bicubic); otherwise they are an error");
     }
     command
         .add_option("--epsilon", o.epsilon,
-                    "What batch norms add to a variance (default: the file's, else 1e-5)")
+                    "Epsilon that batch norms add to the variance (default: the file's, otherwise 1e-5)")
         ->check(positive_number());
     command
-        .add_option("--classes", o.classes,
-                    "Names of the classes: a text file with a line each, or a folder with a subfolder "
-                    "each (default: the file's, else class_00, class_01, ...)")
+        .add_option(
+            "--classes", o.classes,
+            "Class names: a text file with one name per line, or a folder with one subfolder per class "
+            "(default: the file's, otherwise class_00, class_01, ...)")
         ->check([](const std::string& path) {
             return path.empty() ? std::string("expected a file or a folder of names, found ''")
                                 : std::string();
