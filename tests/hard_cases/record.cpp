@@ -11,6 +11,7 @@
 #include <fstream>
 #include <initializer_list>
 #include <limits>
+#include <processor.hpp>
 #include <string>
 #include <utility>
 
@@ -46,15 +47,6 @@ std::string compiler() {
 #endif
 }
 
-/// The system's name of the processor, on which the cost of denormal numbers depends.
-std::string processor() {
-    std::ifstream info("/proc/cpuinfo");
-    for (std::string line; std::getline(info, line);)
-        if (line.starts_with("model name"))
-            return line.substr(std::min(line.find(':') + 2, line.size()));
-    return "unknown";
-}
-
 void write(std::initializer_list<std::pair<std::string_view, std::string>> fields) {
     static const char* const path = std::getenv("TACTNET_HARD_CASES");
     if (path == nullptr)
@@ -73,7 +65,7 @@ void write_case(std::string_view topic, std::string_view name, const std::string
     static const bool begun = [] {
         write({{"instruction_set", std::string(tactnet::instruction_set)},
                {"compiler", compiler()},
-               {"processor", processor()}});
+               {"processor", processor_name()}});
         return true;
     }();
     static_cast<void>(begun);
