@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/decision/saved_state.hpp>
-#include <tactnet/detail/config.hpp>
+#include <tactnet/kernels/rows/weighted_rows.hpp>
 
 #include <algorithm>
 #include <array>
@@ -26,17 +26,7 @@ struct discriminant {
     /// Projects features as deployed_view::read_features gives them.
     [[nodiscard]] point project(std::span<const float, Features> features) const noexcept {
         point sums = offset;
-        // Four products at a time, which need not wait for one another.
-        constexpr std::size_t in_fours = Features / 4 * 4;
-        for (std::size_t f = 0; f < in_fours; f += 4)
-            for (std::size_t d = 0; d < Dimensions; ++d) {
-                const float* const of = directions.data() + f * Dimensions + d;
-                sums[d] += (features[f] * of[0] + features[f + 1] * of[Dimensions]) +
-                           (features[f + 2] * of[2 * Dimensions] + features[f + 3] * of[3 * Dimensions]);
-            }
-        for (std::size_t rest = 0; rest < Features % 4; ++rest)
-            for (std::size_t d = 0; d < Dimensions; ++d)
-                sums[d] += features[in_fours + rest] * directions[(in_fours + rest) * Dimensions + d];
+        kernels::add_weighted_rows<Features, Dimensions>(features.data(), directions.data(), sums.data());
         return sums;
     }
 };

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <tactnet/decision/padded_frame.hpp>
 #include <tactnet/decision/saved_state.hpp>
-#include <tactnet/kernels/frame/tactels.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <array>
@@ -53,68 +53,9 @@ struct health_settings {
 
 namespace detail {
 
-/// A frame of counts with a border of zeros, so that each tactel has eight neighbours.
-template <shape Array>
-struct bordered_frame {
-    static_assert(Array.channels == 1, "bordered_frame: an array of tactels has one channel");
-    static constexpr std::size_t stride = Array.columns + 2;
-    /// Tactels and the borders between their rows, from the first tactel on, in whole vectors.
-    static constexpr std::size_t span = kernels::whole_count_vectors(Array.rows * stride);
-    /// The place of the first tactel, and of any.
-    static constexpr std::size_t first = stride + 1;
-    [[nodiscard]] static constexpr std::size_t place(std::size_t row, std::size_t column) noexcept {
-        return first + row * stride + column;
-    }
-    static constexpr auto& neighbours = kernels::neighbour_distances<stride>;
-
-    std::array<std::uint8_t, span + 2 * stride + 2> counts{};
-};
-
-/// The mean of some neighbours of a tactel, in place of its own count.
-template <shape Array>
-class neighbour_mean {
-    using grid = bordered_frame<Array>;
-
-public:
-    neighbour_mean() = default;
-    /// Leaves out neighbours beyond the array and those with `left_out(row, column)`.
-    template <class LeftOut>
-    neighbour_mean(std::size_t row, std::size_t column, const LeftOut& left_out) noexcept
-        : place_(static_cast<std::uint16_t>(grid::place(row, column))) {
-        std::uint32_t count = 0;
-        for (std::size_t n = 0; n < 8; ++n) {
-            // From 1, since the first neighbour is above and to the left.
-            const std::size_t y = row + grid::neighbours[n] / grid::stride,
-                              x = column + grid::neighbours[n] % grid::stride;
-            if (y < 1 || x < 1 || y > Array.rows || x > Array.columns || left_out(y - 1, x - 1))
-                continue;
-            mask_[n] = 255;
-            ++count;
-        }
-        reciprocal_ = static_cast<std::uint16_t>(count > 0 ? (0xFFFFU + count / 2) / count : 0);
-    }
-
-    [[nodiscard]] std::size_t place() const noexcept { return place_; }
-    /// The rounded mean; 0 if there is no neighbour.
-    [[nodiscard]] std::uint8_t of(const grid& frame) const noexcept {
-        const std::uint8_t* const around = frame.counts.data() + place_ - grid::first;
-        std::uint32_t sum = 0;
-        for (std::size_t n = 0; n < 8; ++n)
-            sum += static_cast<std::uint32_t>(around[grid::neighbours[n]] & mask_[n]);
-        return static_cast<std::uint8_t>((sum * reciprocal_ + 0x8000U) >> 16U);
-    }
-
-private:
-    static_assert(grid::place(Array.rows, 0) <= 0xFFFF, "neighbour_mean: at most 65535 tactels");
-    std::uint16_t place_ = 0, reciprocal_ = 0;
-    std::array<std::uint8_t, 8> mask_{}; ///< 255 for a neighbour that counts, else 0
-};
-
 /// The faulty tactels of an array, and what their counts are replaced by.
 template <shape Array>
 class fault_list {
-    using grid = bordered_frame<Array>;
-
 public:
     /// Tactels that can be faulty at the same time.
     static constexpr std::size_t most = Array.size() / 8;
@@ -126,8 +67,10 @@ public:
     }
     /// Whether there was one more than can be replaced.
     [[nodiscard]] bool overflowed() const noexcept { return overflowed_; }
-    [[nodiscard]] bool contains(std::size_t row, std::size_t column) const noexcept {
-        return faulty_[row * grid::stride + column] != 0;
+    /// `place` counts tactels row by row.
+    [[nodiscard]] bool contains(std::size_t place) const noexcept { return faulty_[place]; }
+    [[nodiscard]] static std::size_t place_of(const tactel_fault& fault) noexcept {
+        return fault.row * Array.columns + fault.column;
     }
 
     void add(const tactel_fault& fault) noexcept {
@@ -137,19 +80,19 @@ public:
         }
         sound_frames_[count_] = 0;
         faults_[count_++] = fault;
-        faulty_[fault.row * grid::stride + fault.column] = 1;
+        faulty_[place_of(fault)] = true;
         plan_replacements();
     }
 
     /// Replaces the counts of faulty tactels by the mean of their sound neighbours. Removes those that have
     /// been seen to work in `enough` frames, and calls recovered(fault) for them.
     template <class Recovered>
-    void replace(grid& counts, const fault_limits& limits, std::uint8_t enough,
+    void replace(padded_frame<Array>& frame, const fault_limits& limits, std::uint8_t enough,
                  const Recovered& recovered) noexcept {
         bool any = false;
         for (std::size_t f = 0; f < count_; ++f) {
-            std::uint8_t& count = counts.counts[replacements_[f].place()];
-            const std::uint8_t mean = replacements_[f].of(counts);
+            std::uint8_t& count = frame.tactels()[replacements_[f].place()];
+            const std::uint8_t mean = replacements_[f].of(frame);
             const bool dead = faults_[f].kind == tactel_fault_kind::dead;
             const bool works = dead ? count > healthy_count : count < healthy_count;
             const bool fails = dead ? mean >= limits.pressed : count >= limits.spike && mean < count / 8;
@@ -183,10 +126,10 @@ public:
         for (tactel_fault fault; count_ < count;) {
             from.take(fault.row), from.take(fault.column), from.take(kind), from.take(fault.since);
             if (fault.row >= Array.rows || fault.column >= Array.columns || kind > 1 ||
-                contains(fault.row, fault.column))
+                contains(place_of(fault)))
                 return false;
             fault.kind = static_cast<tactel_fault_kind>(kind);
-            faulty_[fault.row * grid::stride + fault.column] = 1;
+            faulty_[place_of(fault)] = true;
             faults_[count_++] = fault;
         }
         overflowed_ = overflowed != 0;
@@ -201,7 +144,7 @@ private:
         for (std::size_t f = 0; f < count_; ++f) {
             const tactel_fault fault = faults_[f];
             if (sound_frames_[f] >= enough) {
-                faulty_[fault.row * grid::stride + fault.column] = 0;
+                faulty_[place_of(fault)] = false;
                 recovered(fault);
                 continue;
             }
@@ -214,14 +157,13 @@ private:
     }
     void plan_replacements() noexcept {
         for (std::size_t f = 0; f < count_; ++f)
-            replacements_[f] =
-                neighbour_mean<Array>(faults_[f].row, faults_[f].column,
-                                      [&](std::size_t y, std::size_t x) { return contains(y, x); });
+            replacements_[f] = neighbour_mean<Array>(
+                place_of(faults_[f]), [&](std::size_t neighbour) { return contains(neighbour); });
     }
 
     std::size_t count_ = 0;
     bool overflowed_ = false;
-    std::array<std::uint8_t, grid::span> faulty_{};
+    std::array<bool, Array.size()> faulty_{};
     std::array<tactel_fault, most> faults_{};
     std::array<std::uint8_t, most> sound_frames_{};
     std::array<neighbour_mean<Array>, most> replacements_{};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/decision/fault_list.hpp>
+#include <tactnet/decision/padded_frame.hpp>
 #include <tactnet/decision/saved_state.hpp>
 #include <tactnet/kernels/frame/tactels.hpp>
 #include <tactnet/tensor/shape.hpp>
@@ -26,13 +27,15 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 ///     if (!contact) health.follow(frame);          // once it is known that nothing touches the array
 template <shape Array>
 class sensor_health {
-    using grid = detail::bordered_frame<Array>;
+    using faults_of_array = detail::fault_list<Array>;
     static constexpr std::size_t size = Array.size();
+    /// A byte for each tactel, in whole vectors.
+    using tactel_bytes = std::array<std::uint8_t, detail::padded_frame<Array>::span>;
 
 public:
     using frame = std::span<const std::uint8_t, size>;
     /// Tactels that can be faulty at the same time; an array with more is worn out.
-    static constexpr std::size_t max_faults = detail::fault_list<Array>::most;
+    static constexpr std::size_t max_faults = faults_of_array::most;
 
     explicit sensor_health(const health_settings& settings = {}) noexcept : settings_(settings) {}
 
@@ -47,8 +50,8 @@ public:
             level_[i] = static_cast<std::uint16_t>(level + step);
         }
         for (std::size_t i = 0; i < size; ++i)
-            if (level_[i] >= stuck_level() && !faults_.contains(i / Array.columns, i % Array.columns))
-                add_fault(i / Array.columns, i % Array.columns, tactel_fault_kind::stuck);
+            if (level_[i] >= stuck_level() && !faults_.contains(i))
+                add_fault(i, tactel_fault_kind::stuck);
         set_baseline();
     }
     /// Forgets baseline and faults.
@@ -80,11 +83,8 @@ public:
             count_signs();
         if (any)
             replace_suspects();
-        for (std::size_t row = 0; row < Array.rows; ++row)
-            std::memcpy(clean_.data() + row * Array.columns, grid_.counts.data() + grid::place(row, 0),
-                        Array.columns);
         ++frames_;
-        return frame(clean_);
+        return frame(clean_.tactels(), size);
     }
 
     /// All faulty tactels, in the order in which they were found.
@@ -115,8 +115,7 @@ public:
 
     /// The bytes of a saved state.
     static constexpr std::size_t state_bytes = detail::state_header_bytes + 13 + 2 * size +
-                                               detail::fault_list<Array>::state_bytes +
-                                               detail::state_checksum_bytes;
+                                               faults_of_array::state_bytes + detail::state_checksum_bytes;
     /// Returns baseline, offset and faults, for after a restart; signs of the latest frames are left out.
     [[nodiscard]] std::array<std::byte, state_bytes> save() const noexcept {
         detail::state_writer<state_bytes> to(state_header);
@@ -152,27 +151,21 @@ private:
     }
     /// A stuck tactel keeps its counts, to be seen when it moves again.
     void set_baseline() noexcept {
-        for (std::size_t row = 0, i = 0; row < Array.rows; ++row)
-            for (std::size_t column = 0; column < Array.columns; ++column, ++i)
-                baseline_[row * grid::stride + column] =
-                    static_cast<std::uint8_t>(level_[i] >= stuck_level() ? 0 : (level_[i] + 128) / 256);
+        for (std::size_t i = 0; i < size; ++i)
+            baseline_[i] =
+                static_cast<std::uint8_t>(level_[i] >= stuck_level() ? 0 : (level_[i] + 128) / 256);
     }
-    void add_fault(std::size_t row, std::size_t column, tactel_fault_kind kind) noexcept {
-        faults_.add({static_cast<std::uint16_t>(row), static_cast<std::uint16_t>(column), kind, frames_});
+    void add_fault(std::size_t place, tactel_fault_kind kind) noexcept {
+        faults_.add({static_cast<std::uint16_t>(place / Array.columns),
+                     static_cast<std::uint16_t>(place % Array.columns), kind, frames_});
     }
 
     /// Also follows an offset that all tactels have in common, by one count per frame: at most three quarters
     /// of an array are pressed at once, so that the lowest quarter is at the baseline.
     void subtract_baseline(frame raw) noexcept {
-        for (std::size_t row = 0; row < Array.rows; ++row)
-            std::memcpy(grid_.counts.data() + grid::place(row, 0), raw.data() + row * Array.columns,
-                        Array.columns);
         const std::uint8_t offset = offset_;
-        auto [above, below] =
-            kernels::subtract_levels<grid::span>(grid_.counts.data() + grid::first, baseline_.data(), offset);
-        // Borders are never above; where there is an offset, they are below.
-        below -= offset > 0 ? grid::span - size : 0;
-        const std::size_t at_most = size - above;
+        const auto [at_most, below] =
+            kernels::subtract_levels<size>(raw.data(), baseline_.data(), offset, clean_.tactels());
         if (4 * at_most < size)
             offset_ = static_cast<std::uint8_t>(offset + (offset < settings_.largest_baseline));
         else if (4 * below >= size)
@@ -181,41 +174,28 @@ private:
 
     [[nodiscard]] bool find_suspects() noexcept {
         const fault_limits& limits = settings_.limits;
-        return kernels::find_suspects<grid::span, grid::stride>(
-            grid_.counts.data(), {limits.spike, limits.hole, limits.pressed, limits.neighbours},
-            signs_.data());
-    }
-
-    /// Calls visit(place, row, column) for each tactel whose byte is not 0. Most words of eight bytes are 0.
-    template <class Visit>
-    void visit_tactels(const std::array<std::uint8_t, grid::span>& bytes, const Visit& visit) noexcept {
-        for (std::size_t first = 0; first < grid::span; first += sizeof(std::uint64_t)) {
-            std::uint64_t word = 0;
-            std::memcpy(&word, bytes.data() + first, sizeof(word));
-            for (std::size_t i = first; word != 0 && i < first + sizeof(word); ++i)
-                if (bytes[i] != 0)
-                    visit(i, i / grid::stride, i % grid::stride);
-        }
+        return kernels::find_suspects<Array.rows, Array.columns>(
+            clean_.tactels(), {limits.spike, limits.hole, limits.pressed, limits.neighbours}, signs_.data());
     }
 
     /// Counts the frames that speak against each tactel.
     void count_signs() noexcept {
         // A tactel that is low is not stuck, one that is pressed is not dead.
         watching_ = false;
-        visit_tactels(suspect_frames_, [&](std::size_t i, std::size_t, std::size_t) {
-            const std::uint8_t count = grid_.counts[grid::first + i];
+        kernels::visit_nonzero(suspect_frames_, [&](std::size_t i) {
+            const std::uint8_t count = clean_.tactels()[i];
             const bool dead = suspect_frames_[i] & dead_bit;
             if (signs_[i] == 0 && (dead ? count > healthy_count : count < healthy_count))
                 suspect_frames_[i] = 0;
             watching_ = watching_ || suspect_frames_[i] != 0;
         });
-        visit_tactels(signs_, [&](std::size_t i, std::size_t row, std::size_t column) {
+        kernels::visit_nonzero(signs_, [&](std::size_t i) {
             const std::uint8_t kind = signs_[i] == kernels::hole_sign ? dead_bit : std::uint8_t{0};
             const auto frames = static_cast<std::uint8_t>((suspect_frames_[i] & ~dead_bit) + 1);
             suspect_frames_[i] = static_cast<std::uint8_t>(std::min(frames, frames_to_fault()) | kind);
             watching_ = true;
-            if (frames >= frames_to_fault() && !faults_.contains(row, column))
-                add_fault(row, column, kind != 0 ? tactel_fault_kind::dead : tactel_fault_kind::stuck);
+            if (frames >= frames_to_fault() && !faults_.contains(i))
+                add_fault(i, kind != 0 ? tactel_fault_kind::dead : tactel_fault_kind::stuck);
         });
     }
     [[nodiscard]] std::uint8_t frames_to_fault() const noexcept {
@@ -224,40 +204,36 @@ private:
 
     void replace_faulty() noexcept {
         const auto enough = std::max<std::uint8_t>(settings_.frames_to_recovery, 1);
-        faults_.replace(grid_, settings_.limits, enough, [this](const tactel_fault& fault) {
-            suspect_frames_[fault.row * grid::stride + fault.column] = 0;
-            if (fault.kind == tactel_fault_kind::stuck) { // what was learnt was not its count of air
-                level_[fault.row * Array.columns + fault.column] = 0;
-                baseline_[fault.row * grid::stride + fault.column] = 0;
-            }
+        faults_.replace(clean_, settings_.limits, enough, [this](const tactel_fault& fault) {
+            const std::size_t place = faults_of_array::place_of(fault);
+            suspect_frames_[place] = 0;
+            if (fault.kind == tactel_fault_kind::stuck) // what was learnt was not its count of air
+                level_[place] = baseline_[place] = 0;
         });
     }
 
     /// Replaces counts that this frame alone shows to be wrong.
     void replace_suspects() noexcept {
-        const auto unsound = [&](std::size_t y, std::size_t x) {
-            return signs_[y * grid::stride + x] != 0 || faults_.contains(y, x);
-        };
         // What is replaced is never read: the order does not matter.
-        visit_tactels(signs_, [&](std::size_t i, std::size_t row, std::size_t column) {
-            grid_.counts[grid::first + i] = detail::neighbour_mean<Array>(row, column, unsound).of(grid_);
+        kernels::visit_nonzero(signs_, [&](std::size_t i) {
+            clean_.tactels()[i] = detail::neighbour_mean<Array>(i, [&](std::size_t neighbour) {
+                                      return signs_[neighbour] != 0 || faults_.contains(neighbour);
+                                  }).of(clean_);
         });
     }
 
     static constexpr std::uint8_t dead_bit = 0x80; ///< of `suspect_frames_`, whose other bits count frames
-    static constexpr std::uint8_t healthy_count = detail::fault_list<Array>::healthy_count;
+    static constexpr std::uint8_t healthy_count = faults_of_array::healthy_count;
 
     health_settings settings_;
     std::uint32_t learnt_ = 0;
     std::uint64_t frames_ = 0;
     bool watching_ = false;
     std::array<std::uint16_t, size> level_{}; ///< the baseline in 1/256 count
-    std::array<std::uint8_t, grid::span> baseline_{};
-    grid grid_{};
-    std::array<std::uint8_t, grid::span> signs_{}, suspect_frames_{};
+    tactel_bytes baseline_{}, signs_{}, suspect_frames_{};
+    detail::padded_frame<Array> clean_{};
     std::uint8_t offset_ = 0; ///< of all tactels
-    detail::fault_list<Array> faults_;
-    alignas(64) std::array<std::uint8_t, size> clean_{};
+    faults_of_array faults_;
 };
 
 }} // namespace tactnet

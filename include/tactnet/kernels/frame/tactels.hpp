@@ -2,13 +2,13 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/simd/compiler_vector.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <span>
 
 // What is computed for every tactel of a frame of 8-bit counts before a network sees it.
 
@@ -56,34 +56,48 @@ sum_pairs(const uint8_vec<count_lanes>& values) {
 
 } // namespace detail
 
-/// How many counts are above, and how many below, the level of their tactel.
+/// How many counts are at most, and how many below, the level of their tactel.
 struct level_tally {
-    std::size_t above = 0, below = 0;
+    std::size_t at_most = 0, below = 0;
 };
 
-/// Subtracts its level, plus an offset that all have in common, from each of `Size` counts; what is below
-/// becomes 0. A level is at most 255.
+/// Writes each of `Size` counts less its level, which is raised by an offset to at most 255; 0 for counts
+/// below it. `levels` and `to` have whole vectors, and zeros behind the last level.
 template <std::size_t Size>
-[[nodiscard]] level_tally subtract_levels(std::uint8_t* counts, const std::uint8_t* levels,
-                                          std::uint8_t offset) noexcept {
-    static_assert(Size % count_lanes == 0, "subtract_levels: expected whole vectors");
+[[nodiscard]] level_tally subtract_levels(const std::uint8_t* counts, const std::uint8_t* levels,
+                                          std::uint8_t offset, std::uint8_t* to) noexcept {
     using vector = uint8_vec<count_lanes>;
-    level_tally tally;
-    for (std::size_t first = 0; first < Size; first += 255 * count_lanes) { // a byte counts to 255
-        vector above{}, below{};
-        for (std::size_t i = first; i < std::min(first + 255 * count_lanes, Size); i += count_lanes) {
-            const auto count = load_bytes_as<vector>(counts + i), own = load_bytes_as<vector>(levels + i);
-            const vector sum = own + offset;
-            const vector level = sum | reinterpret_cast<vector>(sum < own);
-            const auto is_above = reinterpret_cast<vector>(count > level);
-            store_any(counts + i, vector((count - level) & is_above));
-            above -= is_above;
-            below -= reinterpret_cast<vector>(count < level);
-        }
-        tally.above += detail::sum_lanes(detail::sum_pairs(above));
-        tally.below += detail::sum_lanes(detail::sum_pairs(below));
+    constexpr std::size_t whole = Size / count_lanes * count_lanes, most = 255 * count_lanes,
+                          padding = whole_count_vectors(Size) - Size;
+    std::size_t at_most = 0, at_least = 0;
+    vector zeros{}, equals{};
+    const auto take = [&](const vector& count, std::size_t i) {
+        const auto own = load_bytes_as<vector>(levels + i);
+        const vector room = ~own, level = own + (room < offset ? room : vector{} + offset);
+        const vector smaller = count < level ? count : level, above = count - smaller;
+        store_any(to + i, above);
+        zeros -= reinterpret_cast<vector>(above == 0);
+        equals -= reinterpret_cast<vector>(smaller == level);
+    };
+    const auto add_up = [&] {
+        at_most += detail::sum_lanes(detail::sum_pairs(zeros));
+        at_least += detail::sum_lanes(detail::sum_pairs(equals));
+        zeros = equals = vector{};
+    };
+    for (std::size_t first = 0; first < whole; first += most) { // a byte counts to 255
+        for (std::size_t i = first; i < std::min(first + most, whole); i += count_lanes)
+            take(load_bytes_as<vector>(counts + i), i);
+        add_up();
     }
-    return tally;
+    if constexpr (padding > 0) {
+        vector last{};
+        std::memcpy(&last, counts + whole, Size - whole);
+        take(last, whole);
+        add_up();
+        at_most -= padding;
+        at_least -= offset == 0 ? padding : 0;
+    }
+    return {at_most, Size - at_least};
 }
 
 /// How many of `Size` counts are at least `pressed`, and the sum of these.
@@ -119,11 +133,19 @@ template <std::size_t Size>
     return tally;
 }
 
-/// The distances of the eight neighbours of a tactel, in rows of `Stride`, from the one above and to the
-/// left.
-template <std::size_t Stride>
-inline constexpr std::array<std::size_t, 8> neighbour_distances{
-    0, 1, 2, Stride, Stride + 2, 2 * Stride, 2 * Stride + 1, 2 * Stride + 2};
+/// The distances of the eight neighbours of a tactel, in rows of `Columns`.
+template <std::size_t Columns>
+inline constexpr std::array<std::ptrdiff_t, 8> neighbour_distances = [] {
+    constexpr auto row = static_cast<std::ptrdiff_t>(Columns);
+    return std::array<std::ptrdiff_t, 8>{-row - 1, -row, -row + 1, -1, 1, row - 1, row, row + 1};
+}();
+/// The place of neighbour n of a tactel; Rows * Columns if it is beyond the array.
+template <std::size_t Rows, std::size_t Columns>
+[[nodiscard]] constexpr std::size_t neighbour_place(std::size_t place, std::size_t n) noexcept {
+    constexpr std::array<std::size_t, 8> down{0, 0, 0, 1, 1, 2, 2, 2}, right{0, 1, 2, 0, 2, 0, 1, 2};
+    const std::size_t y = place / Columns + down[n], x = place % Columns + right[n]; // from 1 on
+    return y >= 1 && x >= 1 && y <= Rows && x <= Columns ? (y - 1) * Columns + x - 1 : Rows * Columns;
+}
 
 /// The limits of find_suspects: see tactnet::fault_limits.
 struct sign_limits {
@@ -131,48 +153,79 @@ struct sign_limits {
 };
 inline constexpr std::uint8_t spike_sign = 1, hole_sign = 2;
 
-/// Compares each of `Size` tactels, in rows of `Stride`, with its eight neighbours, and writes spike_sign,
-/// hole_sign or 0 to `signs`. `counts` begins at the neighbour of the first tactel that is above and to the
-/// left. Returns whether any is not 0.
-template <std::size_t Size, std::size_t Stride>
-[[nodiscard]] bool find_suspects(const std::uint8_t* counts, const sign_limits& limits,
-                                 std::uint8_t* signs) noexcept {
-    static_assert(Size % count_lanes == 0, "find_suspects: expected whole vectors");
-    using vector = uint8_vec<count_lanes>;
-    // Of enough neighbours, at most four are corners. In most vectors the other four rule out every sign.
-    const auto enough_of_four = static_cast<std::uint8_t>(limits.neighbours > 4 ? limits.neighbours - 4 : 0);
-    vector any{};
-    for (std::size_t i = 0; i < Size; i += count_lanes) {
-        const auto own = load_bytes_as<vector>(counts + i + Stride + 1);
-        const vector eighth = own >> 3;
-        const auto is_high = reinterpret_cast<vector>(own >= limits.spike);
-        const auto is_low = reinterpret_cast<vector>(own <= limits.hole);
-        vector low{}, pressed{};
-        const auto count_four = [&](const std::array<std::size_t, 4>& neighbours) {
-            unroll<4>([&](auto n) {
-                const auto neighbour =
-                    load_bytes_as<vector>(counts + i + neighbour_distances<Stride>[neighbours[n]]);
-                low -= reinterpret_cast<vector>(neighbour < eighth);
-                pressed -= reinterpret_cast<vector>(neighbour >= limits.pressed);
-            });
-        };
-        const auto signs_from = [&](std::uint8_t enough) -> vector {
-            return (is_high & reinterpret_cast<vector>(low >= enough) & spike_sign) |
-                   (is_low & reinterpret_cast<vector>(pressed >= enough) & hole_sign);
-        };
-        count_four({1, 3, 4, 6}); // above, left, right, below
-        vector sign = signs_from(enough_of_four);
-        if (detail::any_set(sign)) {
-            count_four({0, 2, 5, 7});
-            sign = signs_from(limits.neighbours);
-        }
-        store_any(signs + i, sign);
-        any |= sign;
+/// The sign of one tactel. Neighbours beyond the array count 0.
+template <std::size_t Rows, std::size_t Columns>
+[[nodiscard]] std::uint8_t sign_of(const std::uint8_t* counts, std::size_t place,
+                                   const sign_limits& limits) noexcept {
+    const std::uint8_t own = counts[place];
+    std::size_t low = 0, pressed = 0;
+    for (std::size_t n = 0; n < 8; ++n) {
+        const std::size_t neighbour = neighbour_place<Rows, Columns>(place, n);
+        const std::uint8_t count = neighbour < Rows * Columns ? counts[neighbour] : std::uint8_t{0};
+        low += count < own / 8;
+        pressed += count >= limits.pressed;
     }
-    std::uint8_t found = 0;
-    for (std::size_t lane = 0; lane < count_lanes; ++lane)
-        found = static_cast<std::uint8_t>(found | any[lane]);
-    return found != 0;
+    return own >= limits.spike && low >= limits.neighbours      ? spike_sign
+           : own <= limits.hole && pressed >= limits.neighbours ? hole_sign
+                                                                : std::uint8_t{0};
+}
+
+/// Calls visit(place) for each of `bytes` that is not 0. Most words of eight bytes are 0.
+template <class Visit>
+void visit_nonzero(std::span<const std::uint8_t> bytes, const Visit& visit) noexcept {
+    for (std::size_t first = 0; first < bytes.size(); first += sizeof(std::uint64_t)) {
+        const std::size_t end = std::min(first + sizeof(std::uint64_t), bytes.size());
+        std::uint64_t word = 0;
+        std::memcpy(&word, bytes.data() + first, end - first);
+        for (std::size_t i = first; word != 0 && i < end; ++i)
+            if (bytes[i] != 0)
+                visit(i);
+    }
+}
+
+/// Compares each tactel with its eight neighbours, and writes spike_sign, hole_sign or 0 to `signs`, which
+/// has whole vectors. `counts` is followed by zeros in whole vectors, and has Columns + 1 zeros around these.
+/// Returns whether any sign is not 0.
+template <std::size_t Rows, std::size_t Columns>
+[[nodiscard]] bool find_suspects(const std::uint8_t* counts, const sign_limits limits,
+                                 std::uint8_t* signs) noexcept {
+    constexpr std::size_t size = Rows * Columns;
+    constexpr auto row = static_cast<std::ptrdiff_t>(Columns);
+    using vector = uint8_vec<count_lanes>;
+    // Of enough neighbours, at most four are corners. Nearly always the other four rule out every sign: one
+    // of them must be low, or two pressed. Beside the edges of the array, vectors have tactels of the next
+    // row in place of zeros, which may hide a low neighbour.
+    constexpr std::size_t hidden = Columns > 1 ? 1 : 2;
+    const std::uint8_t low_anyway = limits.neighbours > 4 + hidden ? 0 : 255;
+    const std::uint8_t pressed_anyway = limits.neighbours > 5 ? 0 : 255;
+    const auto smaller = [](const vector& a, const vector& b) -> vector { return a < b ? a : b; };
+    const auto larger = [](const vector& a, const vector& b) -> vector { return a < b ? b : a; };
+    vector any{};
+    for (std::size_t i = 0; i < size; i += count_lanes) {
+        const std::uint8_t* const from = counts + i;
+        const auto own = load_bytes_as<vector>(from);
+        const auto above = load_bytes_as<vector>(from - row), below = load_bytes_as<vector>(from + row),
+                   left = load_bytes_as<vector>(from - 1), right = load_bytes_as<vector>(from + 1);
+        const vector low_of_column = smaller(above, below), high_of_column = larger(above, below),
+                     low_of_row = smaller(left, right), high_of_row = larger(left, right);
+        const vector lowest = smaller(low_of_column, low_of_row),
+                     second = larger(larger(low_of_column, low_of_row), smaller(high_of_column, high_of_row));
+        const vector spike = reinterpret_cast<vector>(own >= limits.spike) &
+                             (~reinterpret_cast<vector>(lowest >= (own >> 3)) | low_anyway);
+        const vector hole = reinterpret_cast<vector>(own <= limits.hole) &
+                            (reinterpret_cast<vector>(second >= limits.pressed) | pressed_anyway);
+        const vector suspects = spike | hole;
+        store_any(signs + i, suspects);
+        any |= suspects;
+    }
+    if (!detail::any_set(any))
+        return false;
+    bool found = false;
+    visit_nonzero({signs, whole_count_vectors(size)}, [&](std::size_t place) {
+        signs[place] = place < size ? sign_of<Rows, Columns>(counts, place, limits) : std::uint8_t{0};
+        found = found || signs[place] != 0;
+    });
+    return found;
 }
 
 }}} // namespace tactnet::kernels
