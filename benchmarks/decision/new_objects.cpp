@@ -88,6 +88,8 @@ struct fitting_rows {
 struct fitted {
     std::unique_ptr<projection> map;
     class_means<dimensions, objects> means;
+    std::unique_ptr<discriminant<features, features>> whitening{};
+    std::unique_ptr<class_means<features, known_objects>> whitened{}; ///< means in its dimensions
 
     [[nodiscard]] projection::point point(const response& one) const { return map->project(one.values); }
     [[nodiscard]] nearest_class nearest(const response& one) const { return *means.nearest(point(one)); }
@@ -116,9 +118,13 @@ fitted fit_all_views(const std::vector<touch>& touches, std::span<const std::siz
             for (const response& view : touches[i].views)
                 rows.add(view, labels[i]);
     fitted result{fit_discriminant<features, dimensions>(rows.values, rows.labels, known_objects), {}};
+    result.whitening = fit_whitening<features>(rows.values, rows.labels, known_objects);
+    result.whitened = std::make_unique<class_means<features, known_objects>>();
     for (const auto& part : {training, held_out})
-        for (const std::size_t i : part)
+        for (const std::size_t i : part) {
             (void)result.means.learn(labels[i], result.point(touches[i].reflected));
+            (void)result.whitened->learn(labels[i], (*result.whitening)(touches[i].reflected.values));
+        }
     return result;
 }
 
@@ -141,6 +147,11 @@ template <class Score>
 double score_of(const Score& score, const response& one) {
     static_assert(unknown_score<Score>);
     return score(one.logits, one.values);
+}
+double product_of_distances(const touch& t, const fitted&, const fitted& all) {
+    return score_of(
+        product_score{distance_score(*all.map, all.means), distance_score(*all.whitening, *all.whitened)},
+        t.reflected);
 }
 const std::array scores{
     named_score{"largest softmax (Hendrycks and Gimpel, 2017)",
@@ -183,6 +194,7 @@ const std::array scores{
                 [](const touch& t, const auto&, const auto& all) {
                     return score_of(distance_score(*all.map, all.means), t.reflected);
                 }},
+    named_score{"the same, times the distance in all dimensions", product_of_distances},
 };
 
 struct curve {
@@ -281,7 +293,7 @@ void run(const std::string& folder, std::size_t draws, bool thorough, const std:
             const fitted other =
                 fit_all_views(known, labels, split.training, half_of(split.validation, !second));
             for (const std::size_t i : half_of(split.validation, second))
-                distances.push_back(other.nearest(known[i].reflected).relative_distance);
+                distances.push_back(product_of_distances(known[i], other, other));
         }
         const double largest = fit_largest_distance(distances, 0.05);
 
@@ -304,13 +316,12 @@ void run(const std::string& folder, std::size_t draws, bool thorough, const std:
             const nearest_class nearest = best.nearest(known[i].reflected);
             accuracy.add(100.0 * (classify_logits(known[i].alone.logits, known_objects)->index == labels[i]));
             by_means.add(100.0 * (nearest.index == labels[i]));
-            alarms.add(100.0 * (nearest.relative_distance > largest));
+            alarms.add(100.0 * (product_of_distances(known[i], single, best) > largest));
             of_known_touches.add(nearest.relative_distance);
         }
         for (const std::size_t i : unknown) {
-            const double distance = best.nearest(all[i].reflected).relative_distance;
-            unnoticed.add(100.0 * (distance <= largest));
-            of_unknown_touches.add(distance);
+            unnoticed.add(100.0 * (product_of_distances(all[i], single, best) <= largest));
+            of_unknown_touches.add(best.nearest(all[i].reflected).relative_distance);
         }
 
         // Each unknown object by itself: learnt from five touches in a row, of which the next ten are left

@@ -119,6 +119,34 @@ TEST_CASE("fit_discriminant: unit covariance within classes, and classes apart t
 }
 
 TEST_CASE(
+    "fit_whitening: unit covariance within classes in all dimensions, and the mean of all at the origin") {
+    const cloud training(4000, 1);
+    const auto map = fit_whitening<size>(training.features, training.labels, classes, 1e-9);
+    std::array<std::array<double, size>, classes> means{};
+    std::array<double, size> whole{};
+    for (std::size_t i = 0; i < training.labels.size(); ++i)
+        for (std::size_t d = 0; d < size; ++d) {
+            const auto value = static_cast<double>((*map)(training[i])[d]);
+            means[training.labels[i]][d] += value / 800;
+            whole[d] += value / 4000;
+        }
+    std::array<std::array<double, size>, size> covariance{};
+    for (std::size_t i = 0; i < training.labels.size(); ++i)
+        for (std::size_t a = 0; a < size; ++a)
+            for (std::size_t b = 0; b < size; ++b)
+                covariance[a][b] +=
+                    (static_cast<double>((*map)(training[i])[a]) - means[training.labels[i]][a]) *
+                    (static_cast<double>((*map)(training[i])[b]) - means[training.labels[i]][b]) / 4000;
+    for (std::size_t a = 0; a < size; ++a) {
+        CHECK(std::abs(whole[a]) < 1e-3);
+        for (std::size_t b = 0; b < size; ++b)
+            CHECK(std::abs(covariance[a][b] - (a == b ? 1 : 0)) < 1e-3);
+    }
+    CHECK_THROWS_WITH_AS((void)fit_whitening<size>(training.features, training.labels, 4),
+                         "fit_whitening: expected labels below 4, found 4", std::invalid_argument);
+}
+
+TEST_CASE(
     "fit_discriminant: the mean of all images is the origin; fully shrunk, distances are those of features") {
     const cloud training(1000, 6);
     const auto map = fit_discriminant<size, dimensions>(training.features, training.labels, classes, 1);

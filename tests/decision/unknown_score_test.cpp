@@ -71,6 +71,11 @@ TEST_CASE("unknown_score: by hand") {
     CHECK(distance(map, means)(logits, std::array{50.0F, 3.0F, 0.0F}) ==
           doctest::Approx(9 / ((2 * 9 + 8 * 5) / 10.0)));
 
+    const product_score both{distance(map, means), softmax_score{}};
+    static_assert(unknown_score<decltype(both)>);
+    CHECK(both(logits, features) ==
+          doctest::Approx(distance(map, means)(logits, features) * softmax_score{}(logits, features)));
+
     const unknown_detector<distance> detector{distance(map, means), 2.0};
     CHECK(detector.is_unknown(logits, features));
     CHECK_FALSE(detector.is_unknown(logits, std::array{1.0F, 0.0F, 0.0F}));
@@ -92,6 +97,8 @@ TEST_CASE("unknown_score: what is not finite is of no known object, and there is
         CHECK(energy_score{}(logits, sound) == std::numeric_limits<double>::infinity());
         CHECK(direction_score{}(logits, sound) == std::numeric_limits<double>::infinity());
         CHECK(distance(map, means)(good, features) == std::numeric_limits<double>::infinity());
+        const product_score both{distance(map, means), distance(map, means)};
+        CHECK(both(good, features) == std::numeric_limits<double>::infinity());
         CHECK(unknown_detector<softmax_score>{{}, 1e300}.is_unknown(logits, sound));
     }
     CHECK(direction_score{}(good, none) == std::numeric_limits<double>::infinity());

@@ -80,6 +80,65 @@ struct eigensystem {
     return found;
 }
 
+/// The means of classes, the mean of all, and the Cholesky factor of the covariance within classes.
+struct class_scatter {
+    std::vector<double> means, whole, factor;
+};
+/// See fit_discriminant. `caller` begins the messages of errors.
+inline class_scatter scatter_of(const std::string& caller, std::size_t size, std::span<const float> features,
+                                std::span<const std::size_t> labels, std::size_t classes, double shrinkage) {
+    const auto refuse = [&](const std::string& expected, const std::string& found) {
+        throw std::invalid_argument(caller + ": expected " + expected + ", found " + found);
+    };
+    const std::size_t images = labels.size();
+    if (features.size() != images * size)
+        refuse("a row of " + std::to_string(size) + " features for each of " + std::to_string(images) +
+                   " labels",
+               std::to_string(features.size()) + " features");
+    if (!(shrinkage > 0 && shrinkage <= 1))
+        refuse("a shrinkage above 0 and at most 1", std::to_string(shrinkage));
+    std::vector<double> means(classes * size), whole(size);
+    std::vector<std::size_t> counts(classes);
+    for (std::size_t i = 0; i < images; ++i) {
+        if (labels[i] >= classes)
+            refuse("labels below " + std::to_string(classes), std::to_string(labels[i]));
+        ++counts[labels[i]];
+        for (std::size_t f = 0; f < size; ++f) {
+            const float value = features[i * size + f];
+            if (!(std::abs(value) <= std::numeric_limits<float>::max()))
+                refuse("finite features", "others for image " + std::to_string(i));
+            means[labels[i] * size + f] += static_cast<double>(value);
+            whole[f] += static_cast<double>(value) / static_cast<double>(images);
+        }
+    }
+    for (std::size_t c = 0; c < classes; ++c) {
+        if (counts[c] == 0)
+            refuse("an image of each class", "none of class " + std::to_string(c));
+        for (std::size_t f = 0; f < size; ++f)
+            means[c * size + f] /= static_cast<double>(counts[c]);
+    }
+    // The covariance within classes, towards its mean variance in all directions.
+    std::vector<double> covariance(size * size), residual(size);
+    for (std::size_t i = 0; i < images; ++i) {
+        for (std::size_t f = 0; f < size; ++f)
+            residual[f] = static_cast<double>(features[i * size + f]) - means[labels[i] * size + f];
+        for (std::size_t f = 0; f < size; ++f)
+            for (std::size_t g = 0; g <= f; ++g)
+                covariance[f * size + g] += residual[f] * residual[g];
+    }
+    double trace = 0;
+    for (std::size_t f = 0; f < size; ++f)
+        trace += covariance[f * size + f];
+    if (!(trace > 0))
+        refuse("features that vary within classes", "none that do");
+    for (double& value : covariance)
+        value *= (1 - shrinkage) / static_cast<double>(images);
+    for (std::size_t f = 0; f < size; ++f)
+        covariance[f * size + f] += shrinkage * trace / static_cast<double>(images * size);
+    factorise(covariance, size);
+    return {std::move(means), std::move(whole), std::move(covariance)};
+}
+
 } // namespace detail
 
 /// Fits a discriminant to the features of training images: a row of Features per image, with the labels of
@@ -94,57 +153,11 @@ template <std::size_t Features, std::size_t Dimensions>
 [[nodiscard]] std::unique_ptr<discriminant<Features, Dimensions>>
 fit_discriminant(std::span<const float> features, std::span<const std::size_t> labels, std::size_t classes,
                  double shrinkage = 0.5) {
-    const auto refuse = [](const std::string& expected, const std::string& found) {
-        throw std::invalid_argument("fit_discriminant: expected " + expected + ", found " + found);
-    };
-    const std::size_t images = labels.size();
-    if (features.size() != images * Features)
-        refuse("a row of " + std::to_string(Features) + " features for each of " + std::to_string(images) +
-                   " labels",
-               std::to_string(features.size()) + " features");
     if (classes <= Dimensions)
-        refuse("more than " + std::to_string(Dimensions) + " classes", std::to_string(classes));
-    if (!(shrinkage > 0 && shrinkage <= 1))
-        refuse("a shrinkage above 0 and at most 1", std::to_string(shrinkage));
-    std::vector<double> means(classes * Features), whole(Features);
-    std::vector<std::size_t> counts(classes);
-    for (std::size_t i = 0; i < images; ++i) {
-        if (labels[i] >= classes)
-            refuse("labels below " + std::to_string(classes), std::to_string(labels[i]));
-        ++counts[labels[i]];
-        for (std::size_t f = 0; f < Features; ++f) {
-            const float value = features[i * Features + f];
-            if (!(std::abs(value) <= std::numeric_limits<float>::max()))
-                refuse("finite features", "others for image " + std::to_string(i));
-            means[labels[i] * Features + f] += static_cast<double>(value);
-            whole[f] += static_cast<double>(value) / static_cast<double>(images);
-        }
-    }
-    for (std::size_t c = 0; c < classes; ++c) {
-        if (counts[c] == 0)
-            refuse("an image of each class", "none of class " + std::to_string(c));
-        for (std::size_t f = 0; f < Features; ++f)
-            means[c * Features + f] /= static_cast<double>(counts[c]);
-    }
-    // The covariance within classes, towards its mean variance in all directions.
-    std::vector<double> covariance(Features * Features), residual(Features);
-    for (std::size_t i = 0; i < images; ++i) {
-        for (std::size_t f = 0; f < Features; ++f)
-            residual[f] = static_cast<double>(features[i * Features + f]) - means[labels[i] * Features + f];
-        for (std::size_t f = 0; f < Features; ++f)
-            for (std::size_t g = 0; g <= f; ++g)
-                covariance[f * Features + g] += residual[f] * residual[g];
-    }
-    double trace = 0;
-    for (std::size_t f = 0; f < Features; ++f)
-        trace += covariance[f * Features + f];
-    if (!(trace > 0))
-        refuse("features that vary within classes", "none that do");
-    for (double& value : covariance)
-        value *= (1 - shrinkage) / static_cast<double>(images);
-    for (std::size_t f = 0; f < Features; ++f)
-        covariance[f * Features + f] += shrinkage * trace / static_cast<double>(images * Features);
-    detail::factorise(covariance, Features);
+        throw std::invalid_argument("fit_discriminant: expected more than " + std::to_string(Dimensions) +
+                                    " classes, found " + std::to_string(classes));
+    auto [means, whole, covariance] =
+        detail::scatter_of("fit_discriminant", Features, features, labels, classes, shrinkage);
 
     // The means of classes where that covariance is the unit matrix, and the directions in which they lie
     // apart.
@@ -184,6 +197,30 @@ fit_discriminant(std::span<const float> features, std::span<const std::size_t> l
         }
         result->offset[d] = static_cast<float>(offset);
     }
+    return result;
+}
+
+/// Fits a map to as many dimensions as there are features, in which the covariance within classes is the unit
+/// matrix: distances there are those of Mahalanobis (Lee et al., 2018). Arguments and errors are those of
+/// fit_discriminant.
+template <std::size_t Features>
+[[nodiscard]] std::unique_ptr<discriminant<Features, Features>>
+fit_whitening(std::span<const float> features, std::span<const std::size_t> labels, std::size_t classes,
+              double shrinkage = 0.02) {
+    const auto scatter = detail::scatter_of("fit_whitening", Features, features, labels, classes, shrinkage);
+    auto result = std::make_unique<discriminant<Features, Features>>();
+    std::vector<double> column(Features), offset(Features);
+    for (std::size_t f = 0; f < Features; ++f) {
+        std::fill(column.begin(), column.end(), 0.0);
+        column[f] = 1;
+        detail::solve_lower(scatter.factor, Features, column);
+        for (std::size_t d = 0; d < Features; ++d) {
+            result->directions[f * Features + d] = static_cast<float>(column[d]);
+            offset[d] -= column[d] * scatter.whole[f];
+        }
+    }
+    for (std::size_t d = 0; d < Features; ++d)
+        result->offset[d] = static_cast<float>(offset[d]);
     return result;
 }
 

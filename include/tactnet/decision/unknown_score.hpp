@@ -77,6 +77,22 @@ private:
     const class_means<Dimensions, MostClasses>* means_;
 };
 
+/// The product of two scores that are not negative: a touch is unknown that both are unsure of. A
+/// distance_score in a discriminant's dimensions times one in those of fit_whitening, which sees what no two
+/// classes differ in, is the best of all on the paper's images.
+template <unknown_score First, unknown_score Second>
+struct product_score {
+    First first;
+    Second second;
+
+    [[nodiscard]] double operator()(std::span<const float> logits,
+                                    std::span<const float> features) const noexcept {
+        return first(logits, features) * second(logits, features);
+    }
+};
+template <class First, class Second>
+product_score(First, Second) -> product_score<First, Second>; // which Clang 14 does not find by itself
+
 /// Takes touches whose score is above a limit for those of unknown objects.
 template <unknown_score Score>
 struct unknown_detector {
