@@ -57,7 +57,7 @@ struct direction_score {
 };
 
 /// The distance to the nearest class mean in the dimensions of a discriminant, relative to the spread of the
-/// class (after Lee et al., 2018). The best of these on the paper's images. Discriminant and means must
+/// class (after Lee et al., 2018). The best single score on the paper's images. Discriminant and means must
 /// outlive the score.
 template <std::size_t Features, std::size_t Dimensions, std::size_t MostClasses>
 class distance_score {
