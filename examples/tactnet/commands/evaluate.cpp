@@ -96,6 +96,8 @@ candidate_list candidates_of(const evaluate_options& o) {
             c.training.pretrained.clear();
         if (network && !c.what->is_network())
             c.training = without_epochs(c.training);
+        if (!may_be_thorough(*c.what))
+            c.training.unknown = 0;
         static_cast<void>(recipe_for(*c.what, c.training));
     }
     return chosen;
@@ -132,7 +134,8 @@ void report(const evaluate_options& o, const std::vector<study_row>& rows) {
     tactnet::write_file(folder / "table.jsonl", study_json_lines(rows));
     tactnet::write_file(folder / "table.csv", study_csv(rows));
     draw_study_pictures(study_pictures(rows), folder);
-    for (const study_table& t : {methods_table(rows), details_table(rows), probabilities_table(rows)})
+    for (const study_table& t :
+         {methods_table(rows), details_table(rows), probabilities_table(rows), decisions_table(rows)})
         if (t.cells.size() > 1)
             print(table(without_empty_columns(t.cells)) + t.notes + '\n');
     print("accuracy: test images, mean ± standard deviation (splits); µs: this machine, one core\n");
@@ -208,9 +211,12 @@ int evaluate_weights(const evaluate_options& o) {
     const image_data data = load_data(o.data, what.rows, what.columns, o.training.resize);
     const std::vector<std::string>& classes = data.images.classes;
     check_classes(o, weights, classes);
-    const std::vector<std::size_t> chosen =
-        o.images == "all" ? tactnet::all_samples(data.images.size())
-                          : stored_split(o.weights.weights, weights.metadata, o.data, data).test;
+    tactnet::data_split split;
+    if (o.images == "all")
+        split.test = tactnet::all_samples(data.images.size());
+    else
+        split = stored_split(o.weights.weights, weights.metadata, o.data, data);
+    const std::vector<std::size_t>& chosen = split.test;
     if (chosen.empty())
         throw tactnet::file_error(o.weights.weights, "", "a split with test images, or --images all", "none");
 
@@ -233,6 +239,17 @@ int evaluate_weights(const evaluate_options& o) {
         add("of the softmax", probabilities.before);
         add(fmt::format("at temperature {:.3f}", weights.scaling.temperature), probabilities.after);
         print('\n' + table(cells));
+    }
+    if (!result.logits.empty() && !what.pretrained()) {
+        decision_means decisions = sets_of_classes(
+            weights.trained->evaluate(data.view(), split.validation, threads), result, data, split);
+        add_means(decisions, faults_of_sensor(*weights.trained, data, chosen, 0, threads));
+        table_cells cells{{"decisions", "mean"}};
+        for (const decision_column& column : decision_columns)
+            if (const std::string mean = text_of(decisions, column); !mean.empty())
+                cells.push_back({std::string(column.title), mean});
+        if (cells.size() > 1)
+            print('\n' + table(cells));
     }
     return success;
 }
@@ -291,6 +308,7 @@ command add_evaluate(CLI::App& program) {
     add_bits_option(*app, o->training.bits,
                     "8: each training also as a network in 8 bits, with the ranges of maps from its training "
                     "images");
+    add_unknown_option(*app, o->training.unknown);
     add_run_options(*app, *o);
     add_weight_options(*app, o->weights, false);
     app->add_option("--images", o->images,

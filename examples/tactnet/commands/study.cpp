@@ -310,6 +310,7 @@ command add_study(CLI::App& program) {
     add_bits_option(
         *app, o->bits,
         "8: networks in 8 bits too, where that form was compiled in; 32: in single precision alone");
+    add_unknown_option(*app, o->unknown);
     app->add_option("--jobs", o->jobs, "Trainings at the same time (default: one per core)")
         ->check(whole_number(1, 1024));
     app->add_option("--shard", o->shard,

@@ -52,6 +52,8 @@ std::string line_of(const training_result& r) {
         line["calibration"] = {{"temperature", r.calibration->scaling.temperature},
                                {"before", bins_of(r.calibration->before)},
                                {"after", bins_of(r.calibration->after)}};
+    for (const auto& [name, mean] : r.decisions)
+        line["decisions"][name] = {mean.sum, mean.count};
     for (const tactnet::epoch_report& e : r.curve)
         line["curve"].push_back({e.epoch, rounded_or_null(e.loss), rounded_or_null(e.validation_loss),
                                  rounded_or_null(e.validation_accuracy)});
@@ -90,6 +92,18 @@ calibration calibration_in(const json& object) {
     return {{temperature}, diagram_in(object.at("before")), diagram_in(object.at("after"))};
 }
 
+decision_means decisions_in(const json& object) {
+    decision_means means;
+    for (const auto& [name, mean] : object.items()) {
+        const bool numbers =
+            mean.is_array() && mean.size() == 2 && mean[0].is_number() && mean[1].is_number();
+        if (!numbers || !(mean[0] >= 0) || !(mean[1] > 0))
+            throw std::runtime_error("expected a sum from 0 and a count above 0, found " + mean.dump());
+        means[name] = {mean[0], mean[1]};
+    }
+    return means;
+}
+
 std::vector<tactnet::epoch_report> curve_in(const json& points) {
     std::vector<tactnet::epoch_report> curve;
     for (const json& point : points) {
@@ -126,6 +140,8 @@ training_result result_of(const std::string& text) {
             r.confusion.add(i / classes, i % classes);
     if (line.contains("calibration"))
         r.calibration = calibration_in(line["calibration"]);
+    if (line.contains("decisions"))
+        r.decisions = decisions_in(line["decisions"]);
     if (line.contains("curve"))
         r.curve = curve_in(line["curve"]);
     return r;

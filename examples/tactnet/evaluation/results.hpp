@@ -4,6 +4,7 @@
 // there need not be done again.
 
 #include "data/image_data.hpp"
+#include "evaluation/decisions.hpp"
 #include "files/line_file.hpp"
 #include "methods/method.hpp"
 
@@ -48,6 +49,8 @@ struct training_result {
     /// Of test images, at a temperature fitted on the validation images; nothing for methods without
     /// probabilities, and in lists of before version 0.3.
     std::optional<::calibration> calibration{};
+    /// On test images; nothing in lists of before version 0.3, and for support vector machines.
+    decision_means decisions{};
     double seconds = 0;
     std::size_t epochs = 0;
     /// See curve_of; without rates. Empty for methods without epochs.

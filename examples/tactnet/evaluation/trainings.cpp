@@ -47,8 +47,9 @@ void check_test_images(const std::filesystem::path& folder, const training_setti
 }
 
 /// Tests a trained method on the images of its split.
-training_result result_of(const trained_method& trained, const image_data& data, const training_run& training,
+training_result result_of(const trained_method& trained, const task& t, const training_run& training,
                           tactnet::file_metadata settings) {
+    const image_data& data = *t.of->data;
     tactnet::thread_pool alone;
     const auto evaluated = [&](std::span<const std::size_t> images) {
         return trained.evaluate(data.view(), images, alone);
@@ -60,6 +61,10 @@ training_result result_of(const trained_method& trained, const image_data& data,
     result.confusion = test.confusion;
     if (const auto scaling = fit_temperature(validation, validation_images, data))
         result.calibration = calibration_of(test, test_images, data, *scaling);
+    if (!test.logits.empty() && !t.of->what->pretrained()) {
+        result.decisions = sets_of_classes(validation, test, data, training.split());
+        add_means(result.decisions, faults_of_sensor(trained, data, test_images, t.seed, alone));
+    }
     if (trained.averages_reflections())
         result.reflected_accuracy =
             trained.evaluate(data.view(), test_images, alone, tactnet::test_time_augmentation::reflections)
@@ -69,28 +74,54 @@ training_result result_of(const trained_method& trained, const image_data& data,
     return result;
 }
 
+/// Trains on one thread, until it is finished or interrupted.
+std::unique_ptr<training_run> train(const candidate& c, const task& t, tactnet::thread_pool& alone) {
+    auto training = c.what->train(recipe_for(*c.what, c.training), c.data->view(),
+                                  tactnet::split_data(c.data->images.labels, c.data->images.classes.size(),
+                                                      t.rule, t.seed, c.training.shares),
+                                  t.seed, alone, c.pretrained);
+    start(*training, c.start.get());
+    while (!training->finished() && !interrupted())
+        training->advance();
+    return training;
+}
+
+/// Trains without some classes, and scores the images of these. Nothing if it was interrupted.
+decision_means unknown_objects(const task& t) {
+    const class_choice chosen =
+        choose_classes(t.of->data->images.classes.size(), t.of->training.unknown, t.seed);
+    candidate of_known = *t.of;
+    of_known.data = std::make_shared<const image_data>(images_of_classes(*t.of->data, chosen.known));
+    tactnet::thread_pool alone;
+    const auto training = train(of_known, t, alone);
+    if (!training->finished())
+        return {};
+    const auto best = training->best(of_known.data->images.classes);
+    image_data others = images_of_classes(*t.of->data, chosen.unknown);
+    std::ranges::fill(others.images.labels, 0U); // labels of no use, which the method must have
+    others.images.classes = of_known.data->images.classes;
+    return separation(best->evaluate(of_known.data->view(), training->split().test, alone),
+                      best->evaluate(others.view(), tactnet::all_samples(others.images.size()), alone),
+                      chosen.known.size());
+}
+
 /// Trains on one thread. Returns results in single precision, and in 8 bits if the task says so; nothing if
 /// it was interrupted.
 std::vector<training_result> run(const task& t) {
     const image_data& data = *t.of->data;
     const std::vector<std::string>& classes = data.images.classes;
     tactnet::thread_pool alone;
-    const auto training = t.of->what->train(
-        recipe_for(*t.of->what, t.of->training), data.view(),
-        tactnet::split_data(data.images.labels, classes.size(), t.rule, t.seed, t.of->training.shares),
-        t.seed, alone, t.of->pretrained);
-    start(*training, t.of->start.get());
     const stopwatch watch;
-    while (!training->finished()) {
-        if (interrupted())
-            return {};
-        training->advance();
-    }
+    const auto training = train(*t.of, t, alone);
     const double seconds = watch.seconds();
+    const decision_means unknown = t.of->training.unknown > 0 ? unknown_objects(t) : decision_means{};
+    if (!training->finished() || interrupted())
+        return {};
     const auto best = training->best(classes);
-    std::vector<training_result> results{result_of(*best, data, *training, in_single_precision(t.settings))};
+    std::vector<training_result> results{result_of(*best, t, *training, in_single_precision(t.settings))};
+    add_means(results.front().decisions, unknown);
     if (t.of->training.bits == 8)
-        results.push_back(result_of(*in_eight_bits(*best, data.view(), training->split().training), data,
+        results.push_back(result_of(*in_eight_bits(*best, data.view(), training->split().training), t,
                                     *training, t.settings));
     const auto* by_epochs = dynamic_cast<const network_training*>(training.get());
     for (training_result& result : results) {
@@ -278,6 +309,9 @@ void load_candidates(candidate_list& list, const std::filesystem::path& data) {
         c.data = images;
         check_capacity(*c.what, data.string(), images->images.classes.size());
         check_test_images(data, c.training, *images);
+        if (const std::size_t classes = images->images.classes.size(); c.training.unknown + 2 > classes)
+            refuse("--unknown: expected to leave two of {} classes or more, found {}", classes,
+                   c.training.unknown);
         c.start = load_start(*c.what, c.training, images->images.classes);
         c.pretrained = open_pretrained(*c.what, c.training);
     }

@@ -126,6 +126,14 @@ void add_bits_option(CLI::App& command, std::size_t& bits, const std::string& wh
     command.add_option("--bits", bits, what_for)->check(CLI::IsMember({8, 32}));
 }
 
+void add_unknown_option(CLI::App& command, std::size_t& unknown) {
+    command
+        .add_option("--unknown", unknown,
+                    "For each split of a network one more training, without as many classes: how well it "
+                    "tells that their images are unknown; 0 for none")
+        ->check(whole_number(0, 10'000));
+}
+
 void check_bits(const method& what, std::size_t bits) {
     if (bits != 8 || what.has_eight_bit_form())
         return;

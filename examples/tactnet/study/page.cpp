@@ -272,10 +272,29 @@ study_table probabilities_table(const std::vector<study_row>& rows) {
     return t;
 }
 
+study_table decisions_table(const std::vector<study_row>& rows) {
+    study_table t{"decisions",
+                  "From frames to decisions",
+                  fmt::format("{} All {} splits together.", decision_caption, name_of(shown_rule(rows))),
+                  {{"method", "tactels", "recipe"}}};
+    for (const decision_column& column : decision_columns)
+        t.cells.front().emplace_back(column.title);
+    for (const study_row& row : rows) {
+        if (row.decisions.empty())
+            continue;
+        table_cells::value_type& cells = t.cells.emplace_back();
+        cells = {method_title(row), size_of(row), row.recipe};
+        for (const decision_column& column : decision_columns)
+            cells.push_back(text_of(row.decisions, column));
+    }
+    return t;
+}
+
 std::vector<study_table> study_tables(const std::vector<study_row>& rows) {
     std::vector<study_table> all{
-        front_table(rows),   methods_table(rows), details_table(rows),          probabilities_table(rows),
-        against_table(rows), memory_table(rows),  instruction_sets_table(rows), split_rules_table(rows)};
+        front_table(rows),         methods_table(rows),          details_table(rows),
+        probabilities_table(rows), decisions_table(rows),        against_table(rows),
+        memory_table(rows),        instruction_sets_table(rows), split_rules_table(rows)};
     const split_rule rule = shown_rule(rows);
     if (const study_row* best = most_accurate(rows, rule); best != nullptr && !best->classes.empty()) {
         all.push_back(class_rates_table(*best, rule));

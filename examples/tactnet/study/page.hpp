@@ -25,6 +25,7 @@ study_table methods_table(const std::vector<study_row>& rows);
 /// What else is known of them: other accuracies, times and bytes.
 study_table details_table(const std::vector<study_row>& rows);
 study_table probabilities_table(const std::vector<study_row>& rows);
+study_table decisions_table(const std::vector<study_row>& rows);
 /// All tables that have something to show, the methods with which no other is both faster and more accurate
 /// first.
 std::vector<study_table> study_tables(const std::vector<study_row>& rows);

@@ -63,6 +63,7 @@ study_plan plan_of(const study_options& o) {
                 continue;
             settings.recipe = recipe;
             settings.bits = o.bits == 8 && m->has_eight_bit_form() ? 8 : 32;
+            settings.unknown = may_be_thorough(*m) ? o.unknown : 0;
             const std::string name(recipe_for(*m, settings).name);
             if (std::ranges::find(tried, name) != tried.end())
                 continue;

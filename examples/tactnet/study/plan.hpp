@@ -18,7 +18,8 @@ struct study_options {
     std::vector<std::string> methods, sizes, recipes{"default", "published"}, pretrained, merged, peers;
     std::string code_bytes, split = "both";
     std::size_t splits = 20, jobs = std::max(1U, std::thread::hardware_concurrency());
-    std::size_t bits = 8; ///< 8: networks in 8 bits too, where they have such a form
+    std::size_t bits = 8;    ///< 8: networks in 8 bits too, where they have such a form
+    std::size_t unknown = 0; ///< see training_settings
     bool report_only = false, only_trained = false, times_only = false;
 };
 

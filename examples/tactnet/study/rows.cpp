@@ -56,6 +56,7 @@ split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, con
             row.confusion.add(r->confusion);
             if (r->calibration)
                 calibrations.push_back(*r->calibration);
+            add_means(row.decisions, r->decisions);
         }
         curves.push_back(r->curve);
     }
@@ -124,6 +125,11 @@ nlohmann::ordered_json json_of(const study_row& row) {
     put("softmax_brier_score", calibrated, probabilities.before.brier_score());
     put("calibration_error", calibrated, probabilities.after.calibration_error());
     put("brier_score", calibrated, probabilities.after.brier_score());
+    for (const decision_column& column : decision_columns) {
+        const auto found = row.decisions.find(std::string(column.name));
+        const bool measured = found != row.decisions.end();
+        put(std::string(column.name), measured, measured ? found->second.value() : 0);
+    }
     object["declaration"] = row.declaration;
     object["missing"] = row.missing;
     return object;

@@ -47,6 +47,7 @@ struct study_row {
     tactnet::confusion_matrix confusion{}; ///< of all random splits, or of the others where there are none
     /// Of the same splits together, at the mean temperature; empty for methods without probabilities.
     std::optional<calibration> probabilities{};
+    decision_means decisions{};                 ///< of the same splits together
     std::vector<tactnet::epoch_report> curve{}; ///< the mean of the same splits; empty for what has no epochs
 };
 

@@ -42,6 +42,12 @@ TEST_SUITE("program") {
             for (const auto& count : result.at("confusion"))
                 tested += count.get<std::size_t>();
             CHECK(images == tested);
+            const auto& decisions = result.at("decisions");
+            CHECK(decisions.size() == 6); // without unknown objects, which nobody asked for
+            for (const char* mean :
+                 {"set_coverage", "set_size", "stuck_row_accuracy", "stuck_row_mended_accuracy",
+                  "stuck_tactels_accuracy", "stuck_tactels_mended_accuracy"})
+                CHECK_MESSAGE(decisions.at(mean).at(1).get<std::size_t>() == tested, mean);
         }
         CHECK(lines_of(text_of(shop / "r/table.csv")).size() == 3);
         CHECK(lines_of(text_of(shop / "r/table.jsonl")).size() == 2);
@@ -52,12 +58,30 @@ TEST_SUITE("program") {
         CHECK(lines_of(text_of(shop / "r/learning_curves.csv")).size() > 1);
         CHECK(lines_of(text_of(shop / "r/table.csv"))[0].starts_with("method,rows,columns,recipe,bits,"));
         const auto row = nlohmann::json::parse(lines_of(text_of(shop / "r/table.jsonl"))[0]);
-        for (const char* known :
-             {"random_accuracy", "random_deviation", "blocked_accuracy", "blocked_deviation", "parameters",
-              "multiply_adds", "multiply_adds_on_pixels", "bytes", "activation_bytes", "microseconds",
-              "microseconds_in_batch", "training_seconds", "temperature", "softmax_calibration_error",
-              "softmax_brier_score", "calibration_error", "brier_score"})
+        for (const char* known : {"random_accuracy",
+                                  "random_deviation",
+                                  "blocked_accuracy",
+                                  "blocked_deviation",
+                                  "parameters",
+                                  "multiply_adds",
+                                  "multiply_adds_on_pixels",
+                                  "bytes",
+                                  "activation_bytes",
+                                  "microseconds",
+                                  "microseconds_in_batch",
+                                  "training_seconds",
+                                  "temperature",
+                                  "softmax_calibration_error",
+                                  "softmax_brier_score",
+                                  "calibration_error",
+                                  "brier_score",
+                                  "set_coverage",
+                                  "set_size",
+                                  "stuck_row_accuracy",
+                                  "stuck_row_mended_accuracy"})
             CHECK_MESSAGE(row.at(known).is_number(), known);
+        CHECK(row.at("unknown_softmax_area").is_null());
+        says(first.out, "right class in the set, %");
         // TactNet-4 for three classes: 6128 parameters of convolutions and batch norms, 64 x 3 + 3 of the
         // last layer.
         says(first.out, " 6 323 ");
@@ -77,6 +101,21 @@ TEST_SUITE("program") {
         CHECK(nlohmann::json::parse(lines_of(text_of(shop / "r/table.jsonl"))[0])
                   .at("blocked_accuracy")
                   .is_null());
+
+        // Unknown objects take one more training a split, which another number of them is not.
+        const outcome unknown =
+            shop.run("evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --epochs 3 --results u "
+                     "--splits 2 --split random --unknown 1 --jobs 1");
+        REQUIRE_MESSAGE(unknown.status == 0, unknown.error);
+        says(unknown.out, "unknown by softmax: area, %");
+        const auto with_unknown = nlohmann::json::parse(lines_of(text_of(shop / "u/table.jsonl"))[0]);
+        for (const char* share : {"unknown_softmax_area", "unknown_softmax_accepted", "unknown_energy_area",
+                                  "unknown_energy_accepted"})
+            CHECK_MESSAGE((with_unknown.at(share) >= 0 && with_unknown.at(share) <= 1), share);
+        const outcome none_left =
+            shop.run("evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --results u --unknown 2");
+        CHECK(none_left.status == 2);
+        says(none_left.error, "--unknown: expected to leave two of 3 classes or more, found 2");
 
         // A line that was being written when the power went is passed over, and replaced.
         const auto whole = text_of(shop / "r/evaluation.jsonl");

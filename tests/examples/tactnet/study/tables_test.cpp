@@ -116,6 +116,20 @@ TEST_SUITE("program") {
                                    "calibration_error,brier_score,"));
     }
 
+    TEST_CASE("study_rows: sets of classes, faults of the sensor and unknown objects") {
+        std::vector<study_row> rows{studied("net", 0.875, 10), studied("machine", 0.5, 1)};
+        CHECK(!has(markdown(rows), "study decisions"));
+        rows[0].decisions = {{"set_coverage", {19, 20}}, {"set_size", {21, 20}}};
+        add_means(rows[0].decisions, {{"set_size", {24, 20}}, {"stuck_row_accuracy", {1, 8}}});
+        const std::string text = markdown(rows);
+        CHECK(has(text, "| net | 7 × 13 | default | 95.00 | 1.125 | 12.50 |"));
+        CHECK(has(page(rows), "<h2>From frames to decisions</h2>"));
+        const std::string csv = study_csv(rows);
+        CHECK(has(csv, ",set_coverage,set_size,stuck_row_accuracy,stuck_row_mended_accuracy,"));
+        CHECK(has(csv, ",0.95,1.125,0.125,,"));
+        CHECK(has(study_json_lines(rows), "\"set_size\":1.125,\"stuck_row_accuracy\":0.125"));
+    }
+
     TEST_CASE("study_markdown: for each of the paper's methods the fastest that is at least as accurate") {
         std::vector<study_row> rows{studied("slow", 0.96, 1000), studied("fast", 0.95, 10),
                                     studied("fastest", 0.7, 1)};
