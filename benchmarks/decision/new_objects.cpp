@@ -123,7 +123,7 @@ fitted fit_all_views(const std::vector<touch>& touches, std::span<const std::siz
     for (const auto& part : {training, held_out})
         for (const std::size_t i : part) {
             (void)result.means.learn(labels[i], result.point(touches[i].reflected));
-            (void)result.whitened->learn(labels[i], (*result.whitening)(touches[i].reflected.values));
+            (void)result.whitened->learn(labels[i], result.whitening->project(touches[i].reflected.values));
         }
     return result;
 }

@@ -8,6 +8,7 @@
 #include "methods/weights.hpp"
 
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/training/loop.hpp>
 
 #include <fmt/format.h>
@@ -309,7 +310,8 @@ void load_candidates(candidate_list& list, const std::filesystem::path& data) {
         c.data = images;
         check_capacity(*c.what, data.string(), images->images.classes.size());
         check_test_images(data, c.training, *images);
-        if (const std::size_t classes = images->images.classes.size(); c.training.unknown + 2 > classes)
+        if (const std::size_t classes = images->images.classes.size();
+            c.training.unknown > 0 && c.training.unknown + 2 > classes)
             refuse("--unknown: expected to leave two of {} classes or more, found {}", classes,
                    c.training.unknown);
         c.start = load_start(*c.what, c.training, images->images.classes);
