@@ -126,7 +126,7 @@ TEST_CASE(
     std::array<double, size> whole{};
     for (std::size_t i = 0; i < training.labels.size(); ++i)
         for (std::size_t d = 0; d < size; ++d) {
-            const auto value = static_cast<double>((*map)(training[i])[d]);
+            const auto value = static_cast<double>(map->project(training[i])[d]);
             means[training.labels[i]][d] += value / 800;
             whole[d] += value / 4000;
         }
@@ -135,8 +135,8 @@ TEST_CASE(
         for (std::size_t a = 0; a < size; ++a)
             for (std::size_t b = 0; b < size; ++b)
                 covariance[a][b] +=
-                    (static_cast<double>((*map)(training[i])[a]) - means[training.labels[i]][a]) *
-                    (static_cast<double>((*map)(training[i])[b]) - means[training.labels[i]][b]) / 4000;
+                    (static_cast<double>(map->project(training[i])[a]) - means[training.labels[i]][a]) *
+                    (static_cast<double>(map->project(training[i])[b]) - means[training.labels[i]][b]) / 4000;
     for (std::size_t a = 0; a < size; ++a) {
         CHECK(std::abs(whole[a]) < 1e-3);
         for (std::size_t b = 0; b < size; ++b)

@@ -29,8 +29,8 @@
 //
 // `value` is a function of float and double. `backward` makes the gradient of the input from the output y and
 // its gradient. Where that does not follow from the output, as for SiLU, write
-// `backward_from_input(x, gradient)` instead; the layer then keeps its input. An empty `header` means that the
-// deployed network declares the function anyway. In 8 bits a table holds the value of each byte. Optional
+// `backward_from_input(x, gradient)` instead; the layer then keeps its input. An empty `header` means that
+// the deployed network declares the function anyway. In 8 bits a table holds the value of each byte. Optional
 // members:
 //   arguments           a std::array of the unsigned template arguments of `type`
 //   is_relu             true for max(x, 0) alone: in 8 bits a clamp of bytes; the layer before fuses it

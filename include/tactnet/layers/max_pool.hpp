@@ -84,8 +84,8 @@ struct global_max_pool {
     }
 
     template <class T, shape Input>
-    using layer = typename max_pool<extent2d(Input.rows, Input.columns), 1,
-                                    padding::valid>::template layer<T, Input>;
+    using layer =
+        typename max_pool<extent2d(Input.rows, Input.columns), 1, padding::valid>::template layer<T, Input>;
 };
 
 }} // namespace tactnet

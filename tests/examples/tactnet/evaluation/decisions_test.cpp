@@ -23,7 +23,7 @@ class by_sum final : public trained_method {
 public:
     const std::vector<std::string>& classes() const override { return classes_; }
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
-                                 tactnet::thread_pool&) const override {
+                                 tactnet::thread_pool&, tactnet::test_time_augmentation) const override {
         tactnet::evaluation result{0, tactnet::confusion_matrix(2), {}, {}};
         for (const std::size_t i : chosen) {
             std::size_t sum = 0;
