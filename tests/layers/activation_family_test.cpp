@@ -51,7 +51,7 @@ double worst_error(float end) {
     for (std::uint32_t bits = 0; bits <= last; bits += 9973)
         for (const float sign : {-1.0F, 1.0F}) {
             const float x = sign * detail::bits_as<float>(bits);
-            alignas(alignment) std::array<float, lanes<float>> found;
+            alignas(vector_alignment) std::array<float, lanes<float>> found;
             kernels::store(found.data(), Function::value(kernels::vector<float>(x)));
             const double exact = Function::value(static_cast<double>(x));
             const int exponent = exact == 0 ? -126 : std::max(std::ilogb(exact), -126);

@@ -23,7 +23,7 @@ double worst_error(float first, float last, vector<float> (*function)(const vect
     const auto from = tactnet::detail::bits_as<std::uint32_t>(first),
                to = tactnet::detail::bits_as<std::uint32_t>(last);
     for (std::uint32_t bits = std::min(from, to); bits <= std::max(from, to); bits += 997 * lanes<float>) {
-        alignas(alignment) std::array<float, lanes<float>> x, y;
+        alignas(vector_alignment) std::array<float, lanes<float>> x, y;
         for (std::size_t lane = 0; lane < lanes<float>; ++lane)
             x[lane] = tactnet::detail::bits_as<float>(
                 std::min(bits + 997 * static_cast<std::uint32_t>(lane), std::max(from, to)));
@@ -94,7 +94,7 @@ TEST_CASE("special_functions: constexpr, with the limits at the ends, NaN stays 
     CHECK(std::isnan(hyperbolic_tangent(nan)));
     CHECK(std::isnan(normal_tail(nan)));
     const float large = std::numeric_limits<float>::max();
-    alignas(alignment) std::array<float, lanes<float>> x, y;
+    alignas(vector_alignment) std::array<float, lanes<float>> x, y;
     x.fill(large);
     store(y.data(), kernels::normal_tail(load(x.data())));
     CHECK(y[0] == 0);
