@@ -144,7 +144,7 @@ public:
     /// For a network that was just converted to 8 bits, what that did to its outputs, as a sentence.
     virtual std::string calibration() const { return {}; }
     /// The same in 8 bits, for methods that have has_eight_bit_form; the chosen images set the ranges of its
-    /// maps hold. Throws std::invalid_argument for weights that cannot be deployed so.
+    /// maps. Throws std::invalid_argument for weights that cannot be deployed so.
     virtual std::unique_ptr<trained_network> in_eight_bits(const tactnet::labelled_images&,
                                                            std::span<const std::size_t>) const {
         throw std::logic_error("a network without a form in 8 bits was asked for it");
