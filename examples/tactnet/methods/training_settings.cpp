@@ -108,10 +108,10 @@ void add_training_options(CLI::App& command, training_settings& s, const std::st
                     "Augmentation: 'none', new images in 'each-epoch', or five more per image, drawn once: "
                     "'sixfold' (default: the recipe's)")
         ->check(CLI::IsMember({"none", "each-epoch", "sixfold"}));
-    command.add_option("--start", s.start,
-                       "Start from the network of this weight file, for example one trained on simulated "
-                       "images, and not from "
-                       "random weights; the default recipe then uses 0.3 of its learning rate");
+    command.add_option(
+        "--start", s.start,
+        "Start from the network of this weight file, for example one trained on simulated "
+        "images, instead of from random weights; the default recipe then uses 0.3 of its learning rate");
     command.add_option(pretrained, s.pretrained,
                        "Weights of an ImageNet-pretrained network, for methods such as squeezenet-svm: a "
                        "safetensors file with torchvision's names");
@@ -129,8 +129,8 @@ void add_bits_option(CLI::App& command, std::size_t& bits, const std::string& wh
 void add_unknown_option(CLI::App& command, std::size_t& unknown) {
     command
         .add_option("--unknown", unknown,
-                    "For each split of a network one more training, without as many classes: how well it "
-                    "tells that their images are unknown; 0 for none")
+                    "Train each network once more per split without this number of classes, and measure how "
+                    "well it recognises their images as unknown (0: do not)")
         ->check(whole_number(0, 10'000));
 }
 

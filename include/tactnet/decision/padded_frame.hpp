@@ -10,7 +10,7 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
-/// A frame of counts, row after row, with zeros before and behind it: kernels read around each tactel.
+/// A frame of counts, row after row, with zeros before and after it: kernels read around each tactel.
 template <shape Array>
 struct padded_frame {
     static_assert(Array.channels == 1, "padded_frame: an array of tactels has one channel");

@@ -27,7 +27,7 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
     double series = 1;
     for (int term = 14; term > 0; --term)
         series = 1 + series * r / term;
-    // Two factors: 2¹⁰²⁴ is no number, and neither is that of the largest results.
+    // Two factors, since the largest results have n = 1024, and 2¹⁰²⁴ is not a double.
     const auto power = [](std::int64_t exponent) {
         return bits_as<double>(static_cast<std::uint64_t>(exponent + 1023) << 52U);
     };

@@ -149,7 +149,7 @@ private:
         }
         if (packet[preamble_size] == frame_identifier)
             read_frame(packet.subspan(header_size, size), sink);
-        // More may follow where a damaged size has reached into the packets behind.
+        // More may follow where a damaged size has reached into the packets after it.
         buffer_.erase(buffer_.begin(),
                       buffer_.begin() + static_cast<std::ptrdiff_t>(header_size + size + checksum_size));
         in_step_ = true;

@@ -62,7 +62,7 @@ struct level_tally {
 };
 
 /// Writes each of `Size` counts less its level, which is raised by an offset to at most 255; 0 for counts
-/// below it. `levels` and `to` have whole vectors, and zeros behind the last level.
+/// below it. `levels` and `to` have whole vectors, and zeros after the last level.
 template <std::size_t Size>
 [[nodiscard]] level_tally subtract_levels(const std::uint8_t* counts, const std::uint8_t* levels,
                                           std::uint8_t offset, std::uint8_t* to) noexcept {
@@ -124,7 +124,7 @@ template <std::size_t Size>
         if (whole < Size && first + most * count_lanes >= Size) {
             vector last{};
             std::memcpy(&last, counts + whole, Size - whole);
-            if (pressed > 0) // or the zeros behind the last count would be pressed
+            if (pressed > 0) // or the zeros after the last count would be pressed
                 take(last, area, force);
         }
         tally.area += detail::sum_lanes(detail::sum_pairs(area));

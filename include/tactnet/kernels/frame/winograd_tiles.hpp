@@ -66,7 +66,7 @@ struct tile_costs {
     /// tiles round differently, and the bits of a network must not depend on it.
     static constexpr std::size_t max_near_bytes = 512 * 1024;
     /// The cost of the transforms per vector of an input tile and of products. Wide vectors hide all but one
-    /// operation behind the products; each direction with irrational points costs more. Narrow vectors pay
+    /// operation after the products; each direction with irrational points costs more. Narrow vectors pay
     /// for every load, addition and store.
     static constexpr std::uint64_t input(extent2d side) {
         return frame_method::wide_vectors ? hidden(side) : 80;
