@@ -86,7 +86,7 @@ TEST_CASE("unknown_score: what is not finite is of no known object, and there is
     map.directions = {1, 0, 0, 1, 0, 0};
     means_type means;
     CHECK(means.learn(0, {0, 0}));
-    const std::array good{1.0F, 2.0F};
+    const std::array good{1.0F, 2.0F}, certain{200.0F, 0.0F};
     const std::array sound{1.0F, 2.0F, 3.0F}, none{0.0F, 0.0F, 0.0F};
     const std::size_t before = support::allocations();
     for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
@@ -99,6 +99,9 @@ TEST_CASE("unknown_score: what is not finite is of no known object, and there is
         CHECK(distance(map, means)(good, features) == std::numeric_limits<double>::infinity());
         const product_score both{distance(map, means), distance(map, means)};
         CHECK(both(good, features) == std::numeric_limits<double>::infinity());
+        const product_score with_zero{softmax_score{}, distance(map, means)};
+        CHECK(softmax_score{}(certain, features) == 0);
+        CHECK(with_zero(certain, features) == std::numeric_limits<double>::infinity());
         CHECK(unknown_detector<softmax_score>{{}, 1e300}.is_unknown(logits, sound));
     }
     CHECK(direction_score{}(good, none) == std::numeric_limits<double>::infinity());

@@ -9,7 +9,7 @@
 #include <limits>
 #include <span>
 
-// Scores from the literature that tell known from unknown objects, behind one interface. docs/decision.md
+// Scores from the literature that separate known from unknown objects, with one interface. docs/decision.md
 // compares them.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
@@ -77,9 +77,9 @@ private:
     const class_means<Dimensions, MostClasses>* means_;
 };
 
-/// The product of two scores that are not negative: a touch is unknown that both are unsure of. A
-/// distance_score in a discriminant's dimensions times one in those of fit_whitening, which sees what no two
-/// classes differ in, is the best of all on the paper's images.
+/// The product of two scores that are not negative: large if both are unsure of a touch. A distance_score in
+/// a discriminant's dimensions times one in those of fit_whitening, which also sees dimensions in which no
+/// two classes differ, is the best of all on the paper's images.
 template <unknown_score First, unknown_score Second>
 struct product_score {
     First first;
@@ -87,7 +87,8 @@ struct product_score {
 
     [[nodiscard]] double operator()(std::span<const float> logits,
                                     std::span<const float> features) const noexcept {
-        return first(logits, features) * second(logits, features);
+        const double product = first(logits, features) * second(logits, features);
+        return std::isnan(product) ? std::numeric_limits<double>::infinity() : product; // 0 times infinity
     }
 };
 template <class First, class Second>
