@@ -26,9 +26,9 @@ std::vector<std::size_t> labels_of(const image_data& data, std::span<const std::
     return labels;
 }
 
-/// Each image as five frames of air and five of the touch, of which it returns the last, mended.
+/// Each image as five frames of air and five of the touch, of which it returns the last, corrected.
 template <tactnet::shape Array>
-std::vector<std::uint8_t> mended(std::span<const std::uint8_t> images, const std::vector<bool>& stuck) {
+std::vector<std::uint8_t> corrected(std::span<const std::uint8_t> images, const std::vector<bool>& stuck) {
     const auto health = std::make_unique<tactnet::sensor_health<Array>>();
     std::array<std::uint8_t, Array.size()> air{}, touch{};
     for (int i = 0; i < 50; ++i)
@@ -52,10 +52,10 @@ std::vector<std::uint8_t> mended(std::span<const std::uint8_t> images, const std
     return all;
 }
 template <tactnet::shape... Arrays>
-std::vector<std::uint8_t> mended_at(std::size_t rows, std::size_t columns,
-                                    std::span<const std::uint8_t> images, const std::vector<bool>& stuck) {
+std::vector<std::uint8_t> corrected_at(std::size_t rows, std::size_t columns,
+                                       std::span<const std::uint8_t> images, const std::vector<bool>& stuck) {
     std::vector<std::uint8_t> found;
-    ((Arrays.rows == rows && Arrays.columns == columns ? void(found = mended<Arrays>(images, stuck))
+    ((Arrays.rows == rows && Arrays.columns == columns ? void(found = corrected<Arrays>(images, stuck))
                                                        : void()),
      ...);
     return found;
@@ -136,8 +136,8 @@ decision_means faults_of_sensor(const trained_method& trained, const image_data&
                 raw.push_back((*stuck)[i] ? std::uint8_t{255} : data.images.pixels[image * size + i]);
         using tactnet::shape;
         const auto clean =
-            mended_at<shape{28, 50}, shape{20, 35}, shape{14, 25}, shape{10, 18}, shape{7, 13}>(rows, columns,
-                                                                                                raw, *stuck);
+            corrected_at<shape{28, 50}, shape{20, 35}, shape{14, 25}, shape{10, 18}, shape{7, 13}>(
+                rows, columns, raw, *stuck);
         if (clean.size() != raw.size())
             return {};
         const auto add = [&](const std::string& to, const std::vector<std::uint8_t>& pixels) {
@@ -146,7 +146,7 @@ decision_means faults_of_sensor(const trained_method& trained, const image_data&
             means[to] = {static_cast<double>(confusion.correct()), static_cast<double>(confusion.total())};
         };
         add(std::string(name) + "_accuracy", raw);
-        add(std::string(name) + "_mended_accuracy", clean);
+        add(std::string(name) + "_corrected_accuracy", clean);
     }
     return means;
 }

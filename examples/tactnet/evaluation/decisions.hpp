@@ -33,9 +33,9 @@ inline constexpr std::array decision_columns{
     decision_column{"set_coverage", "right class in the set, %"},
     decision_column{"set_size", "classes in a set", false},
     decision_column{"stuck_row_accuracy", "a row stuck, %"},
-    decision_column{"stuck_row_mended_accuracy", "a row stuck, mended, %"},
+    decision_column{"stuck_row_corrected_accuracy", "a row stuck, corrected, %"},
     decision_column{"stuck_tactels_accuracy", "5 % stuck, %"},
-    decision_column{"stuck_tactels_mended_accuracy", "5 % stuck, mended, %"},
+    decision_column{"stuck_tactels_corrected_accuracy", "5 % stuck, corrected, %"},
     decision_column{"unknown_softmax_area", "unknown by softmax: area, %"},
     decision_column{"unknown_softmax_accepted", "unknown by softmax: accepted, %"},
     decision_column{"unknown_energy_area", "unknown by energy: area, %"},
@@ -44,7 +44,7 @@ inline constexpr std::array decision_columns{
 /// What the columns are, in sentences.
 inline constexpr std::string_view decision_caption =
     "Sets of possible classes hold the right one in 95 % of images, by a threshold from the validation "
-    "images. Accuracy with a fault of the sensor, alone and mended by sensor_health; faults begin after "
+    "images. Accuracy with a fault of the sensor, alone and corrected by sensor_health; faults begin after "
     "it has learnt frames of air. Unknown: with some classes left out of the training, the area under the "
     "receiver operating characteristic, and how many images of these are accepted where 95 % of the "
     "others are.";

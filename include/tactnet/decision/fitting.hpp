@@ -117,16 +117,15 @@ inline void check_held_out(const std::string& caller, std::span<const float> log
 /// cannot promise that.
 ///
 /// Throws std::invalid_argument unless `false_alarms` is above 0 and below 1, and no distance is NaN.
-[[nodiscard]] inline double fit_largest_distance(std::span<const double> squared_distances,
-                                                 double false_alarms) {
+[[nodiscard]] inline double fit_largest_distance(std::span<const double> scores, double false_alarms) {
     if (!(false_alarms > 0 && false_alarms < 1))
         throw std::invalid_argument(
             "fit_largest_distance: expected a share of false alarms above 0 and below 1, found " +
             std::to_string(false_alarms));
-    for (const double distance : squared_distances)
-        if (std::isnan(distance))
+    for (const double score : scores)
+        if (std::isnan(score))
             throw std::invalid_argument("fit_largest_distance: expected distances, found NaN");
-    return detail::conformal_bound({squared_distances.begin(), squared_distances.end()}, 1 - false_alarms);
+    return detail::conformal_bound({scores.begin(), scores.end()}, 1 - false_alarms);
 }
 
 }} // namespace tactnet

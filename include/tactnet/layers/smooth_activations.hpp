@@ -4,7 +4,7 @@
 #include <tactnet/layers/activation_function.hpp>
 
 // Activations with an exponential. Each is computed in vectors, and its error in single precision is bounded
-// in units in the last place.
+// in units in the last place. At −∞, SiLU and GELU are NaN, as in PyTorch.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 

@@ -45,8 +45,8 @@ TEST_SUITE("program") {
             const auto& decisions = result.at("decisions");
             CHECK(decisions.size() == 6); // without unknown objects, which nobody asked for
             for (const char* mean :
-                 {"set_coverage", "set_size", "stuck_row_accuracy", "stuck_row_mended_accuracy",
-                  "stuck_tactels_accuracy", "stuck_tactels_mended_accuracy"})
+                 {"set_coverage", "set_size", "stuck_row_accuracy", "stuck_row_corrected_accuracy",
+                  "stuck_tactels_accuracy", "stuck_tactels_corrected_accuracy"})
                 CHECK_MESSAGE(decisions.at(mean).at(1).get<std::size_t>() == tested, mean);
         }
         CHECK(lines_of(text_of(shop / "r/table.csv")).size() == 3);
@@ -78,7 +78,7 @@ TEST_SUITE("program") {
                                   "set_coverage",
                                   "set_size",
                                   "stuck_row_accuracy",
-                                  "stuck_row_mended_accuracy"})
+                                  "stuck_row_corrected_accuracy"})
             CHECK_MESSAGE(row.at(known).is_number(), known);
         CHECK(row.at("unknown_softmax_area").is_null());
         says(first.out, "right class in the set, %");

@@ -63,17 +63,17 @@ image_data pressed(std::size_t rows, std::size_t columns) {
 } // namespace
 
 TEST_SUITE("program") {
-    TEST_CASE("faults_of_sensor: a stuck row deceives a method, and is mended") {
+    TEST_CASE("faults_of_sensor: a stuck row deceives a method, and is corrected") {
         const std::vector<std::size_t> images{0, 1, 2, 3, 4, 5, 6, 7};
         tactnet::thread_pool alone;
         const decision_means means = faults_of_sensor(by_sum{}, pressed(14, 25), images, 3, alone);
         REQUIRE(means.size() == 4);
         for (const std::string fault : {"stuck_row", "stuck_tactels"}) {
             CHECK(means.at(fault + "_accuracy").value() == 0.5); // all are heavy
-            CHECK(means.at(fault + "_mended_accuracy").count == 8);
-            // Under an object a tactel is mended once it has been stuck in 16 frames of air, of which there
-            // are five before each image: the two light ones among the first three may still be heavy.
-            CHECK(means.at(fault + "_mended_accuracy").value() >= 0.75);
+            CHECK(means.at(fault + "_corrected_accuracy").count == 8);
+            // Under an object a tactel is corrected once it has been stuck in 16 frames of air, of which
+            // there are five before each image: the two light ones among the first three may still be heavy.
+            CHECK(means.at(fault + "_corrected_accuracy").value() >= 0.75);
         }
         CHECK(faults_of_sensor(by_sum{}, pressed(8, 8), images, 3, alone).empty());
     }

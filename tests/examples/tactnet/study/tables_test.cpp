@@ -125,7 +125,7 @@ TEST_SUITE("program") {
         CHECK(has(text, "| net | 7 × 13 | default | 95.00 | 1.125 | 12.50 |"));
         CHECK(has(page(rows), "<h2>From frames to decisions</h2>"));
         const std::string csv = study_csv(rows);
-        CHECK(has(csv, ",set_coverage,set_size,stuck_row_accuracy,stuck_row_mended_accuracy,"));
+        CHECK(has(csv, ",set_coverage,set_size,stuck_row_accuracy,stuck_row_corrected_accuracy,"));
         CHECK(has(csv, ",0.95,1.125,0.125,,"));
         CHECK(has(study_json_lines(rows), "\"set_size\":1.125,\"stuck_row_accuracy\":0.125"));
     }
