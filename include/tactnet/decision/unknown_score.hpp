@@ -91,6 +91,7 @@ struct product_score {
         return std::isnan(product) ? std::numeric_limits<double>::infinity() : product; // 0 times infinity
     }
 };
+/// Takes the types from its scores.
 template <class First, class Second>
 product_score(First, Second) -> product_score<First, Second>; // which Clang 14 does not find by itself
 

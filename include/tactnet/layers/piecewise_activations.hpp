@@ -81,10 +81,14 @@ struct hard_swish_function {
     }
 };
 
+/// The layer of leaky_relu_function, in place.
 template <unsigned Thousandths = 10>
 using leaky_relu = activation<leaky_relu_function<Thousandths>>;
+/// The layer of relu6_function, in place.
 using relu6 = activation<relu6_function>;
+/// The layer of hard_sigmoid_function, in place.
 using hard_sigmoid = activation<hard_sigmoid_function>;
+/// The layer of hard_swish_function.
 using hard_swish = activation<hard_swish_function>;
 
 }} // namespace tactnet

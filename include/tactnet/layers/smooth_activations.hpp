@@ -108,10 +108,15 @@ private:
     }
 };
 
+/// The layer of sigmoid_function, in place.
 using sigmoid = activation<sigmoid_function>;
+/// The layer of silu_function.
 using silu = activation<silu_function>;
+/// The layer of hyperbolic_tangent_function, in place.
 using hyperbolic_tangent = activation<hyperbolic_tangent_function>;
+/// The layer of softplus_function, in place.
 using softplus = activation<softplus_function>;
+/// The layer of gelu_function.
 using gelu = activation<gelu_function>;
 
 }} // namespace tactnet
