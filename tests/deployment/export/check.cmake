@@ -16,8 +16,8 @@ execute_process(
 )
 
 file(READ "${PROGRAM}.d" included)
-# What an output means, and what an activation computes: headers that need nothing else of their rooms.
-string(REGEX REPLACE "tactnet/(networks/recognition|layers/activation_function)[.]hpp" "" included "${included}")
+# What an output means, and what activations compute: headers that need nothing else of their rooms.
+string(REGEX REPLACE "tactnet/(networks/recognition|layers/(activation_function|piecewise_activations|smooth_activations))[.]hpp" "" included "${included}")
 foreach(pattern IN ITEMS "/iostream" "/fstream" "/filesystem" "/Eigen/" "tactnet/layers" "tactnet/networks" "tactnet/io")
     if(included MATCHES "${pattern}")
         message(FATAL_ERROR "The header brings in ${pattern}, which a target without files may not have.")
