@@ -29,10 +29,11 @@ template <std::size_t Rows, std::size_t Columns>
             for (std::size_t v = 0; v < vectors; ++v)
                 parts[chain][v] += weights[r] * load_bytes_as<vector>(rows + r * Columns + column(v));
         };
-        for (std::size_t r = 0; r + chains <= Rows; r += chains) // chains of additions hide their latency
+        for (std::size_t r = 0; r + chains <= Rows; r += chains) { // chains of additions hide their latency
 #pragma GCC unroll 8
             for (std::size_t chain = 0; chain < chains; ++chain)
                 add(chain, r + chain);
+        }
 #pragma GCC unroll 8
         for (std::size_t r = Rows / chains * chains; r < Rows; ++r)
             add(r % chains, r);
