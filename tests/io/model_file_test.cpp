@@ -183,10 +183,10 @@ TEST_CASE("model_file: metadata that mean nothing") {
           0);
     safetensors_writer nameless;
     nameless.metadata = {{"format", "tactnet"}, {"version", "1"}};
-    const auto told = [&] { return error_of(safetensors::parse(nameless.to_bytes(), "m.safetensors")); };
-    CHECK(told() == "m.safetensors: metadata 'classes': expected names as a JSON array, found none");
+    const auto message = [&] { return error_of(safetensors::parse(nameless.to_bytes(), "m.safetensors")); };
+    CHECK(message() == "m.safetensors: metadata 'classes': expected names as a JSON array, found none");
     nameless.metadata["machine"] = "kernel";
-    CHECK(told() ==
+    CHECK(message() ==
           "m.safetensors: metadata 'classes': expected names as a JSON array, found none: a support "
           "vector machine, for load_kernel_machine or load_linear_machine");
     for (const std::string name : {"a\\u001bb", "a\\nb", "\\u0000", "\xE2\x80\xAEgpj", "\xC2\x9B", "\x7F"})

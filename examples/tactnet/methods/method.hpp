@@ -143,8 +143,8 @@ public:
                                std::span<const std::uint8_t> frame) const = 0;
     /// For a network that was just converted to 8 bits, what that did to its outputs, as a sentence.
     virtual std::string calibration() const { return {}; }
-    /// The same in 8 bits, for methods that have has_eight_bit_form; the chosen images set the ranges of its
-    /// maps. Throws std::invalid_argument for weights that cannot be deployed so.
+    /// Converts the network to 8 bits, if the method has has_eight_bit_form; the chosen images set the ranges
+    /// of its maps. Throws std::invalid_argument for weights that cannot be converted.
     virtual std::unique_ptr<trained_network> in_eight_bits(const tactnet::labelled_images&,
                                                            std::span<const std::size_t>) const {
         throw std::logic_error("a network without a form in 8 bits was asked for it");

@@ -45,9 +45,9 @@ struct study_row {
     std::string declaration{}; ///< its type in C++, of a network that is one
     std::vector<std::string> classes{};
     tactnet::confusion_matrix confusion{}; ///< of all random splits, or of the others where there are none
-    /// Of the same splits together, at the mean temperature; empty for methods without probabilities.
+    /// Calibration over these splits at the mean temperature; empty for methods without probabilities.
     std::optional<calibration> probabilities{};
-    decision_means decisions{};                 ///< of the same splits together
+    decision_means decisions{};                 ///< means over these splits
     std::vector<tactnet::epoch_report> curve{}; ///< the mean of the same splits; empty for what has no epochs
 };
 

@@ -20,7 +20,7 @@
 
 namespace {
 
-/// The same network in layers: batch norms that multiply by one after the folded convolutions.
+/// Returns the network before folding: its batch norms multiply by one.
 template <class Network>
 support::network_parameters unfolded(const both_formats<Network>& from) {
     Network network;

@@ -144,7 +144,8 @@ std::vector<float> logits_of(const any_model& model, std::size_t count,
 /// that are not finite.
 std::vector<float> outputs_of(const any_deployed& network, const compiled_network& code,
                               std::span<const std::uint8_t> frames, tactnet::thread_pool& threads);
-/// The same as logits: of a network that ends in a softmax the logarithms, of zero a finite one.
+/// Returns logits. If the network ends in a softmax, these are the logarithms of its outputs, finite for
+/// zero.
 std::vector<float> logits_of(const any_deployed& network, const compiled_network& code,
                              std::span<const std::uint8_t> frames, tactnet::thread_pool& threads);
 /// Of rows of `outputs` logits, of which those of `classes` count. Throws std::runtime_error for some that

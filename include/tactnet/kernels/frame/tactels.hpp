@@ -193,8 +193,8 @@ template <std::size_t Rows, std::size_t Columns>
     constexpr auto row = static_cast<std::ptrdiff_t>(Columns);
     using vector = uint8_vec<count_lanes>;
     // Of enough neighbours, at most four are corners. Nearly always the other four rule out every sign: one
-    // of them must be low, or two pressed. Beside the edges of the array, vectors have tactels of the next
-    // row in place of zeros, which may hide a low neighbour.
+    // of them must be low, or two pressed. At the edges of the array, vectors hold tactels of the next row
+    // in place of zeros, which may hide a low neighbour.
     constexpr std::size_t hidden = Columns > 1 ? 1 : 2;
     const std::uint8_t low_anyway = limits.neighbours > 4 + hidden ? 0 : 255;
     const std::uint8_t pressed_anyway = limits.neighbours > 5 ? 0 : 255;
