@@ -54,7 +54,8 @@ model<Network> trained(std::size_t classes) {
         m.normalise.mean.data()[e] = static_cast<float>(e % 7);
     m.normalise.scale = 0.02f;
     for (std::size_t c = 0; c < classes; ++c)
-        m.classes.push_back(std::string("an object with a name beyond any short string, ").append(std::to_string(c)));
+        m.classes.push_back(
+            std::string("an object with a name beyond any short string, ").append(std::to_string(c)));
     return m;
 }
 
