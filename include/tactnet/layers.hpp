@@ -1,8 +1,10 @@
 #pragma once
 
-#include <tactnet/layers/activation.hpp>
-#include <tactnet/layers/average_pool.hpp>
-#include <tactnet/layers/batch_norm.hpp>
+#include <tactnet/layers/activations/activation.hpp>
+#include <tactnet/layers/activations/piecewise.hpp>
+#include <tactnet/layers/activations/smooth.hpp>
+#include <tactnet/layers/activations/softmax.hpp>
+#include <tactnet/layers/activations/square_root.hpp>
 #include <tactnet/layers/composition/concatenation.hpp>
 #include <tactnet/layers/composition/named.hpp>
 #include <tactnet/layers/composition/norm_relu_pool.hpp>
@@ -12,9 +14,7 @@
 #include <tactnet/layers/dense.hpp>
 #include <tactnet/layers/dropout.hpp>
 #include <tactnet/layers/layer.hpp>
-#include <tactnet/layers/local_response_norm.hpp>
-#include <tactnet/layers/max_pool.hpp>
-#include <tactnet/layers/piecewise_activations.hpp>
-#include <tactnet/layers/smooth_activations.hpp>
-#include <tactnet/layers/softmax.hpp>
-#include <tactnet/layers/square_root.hpp>
+#include <tactnet/layers/normalisation/batch_norm.hpp>
+#include <tactnet/layers/normalisation/local_response_norm.hpp>
+#include <tactnet/layers/pooling/average_pool.hpp>
+#include <tactnet/layers/pooling/max_pool.hpp>

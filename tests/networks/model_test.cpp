@@ -1,4 +1,4 @@
-#include <tactnet/layers/activation.hpp>
+#include <tactnet/layers/activations/activation.hpp>
 #include <tactnet/layers/conv2d.hpp>
 #include <tactnet/layers/dense.hpp>
 #include <tactnet/networks/model.hpp>

@@ -3,7 +3,7 @@
 #include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
-#include <tactnet/layers/activation_function.hpp>
+#include <tactnet/layers/activations/activation_function.hpp>
 #include <tactnet/quantisation/graph.hpp>
 #include <tactnet/tensor/aligned.hpp>
 

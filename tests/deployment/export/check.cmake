@@ -17,7 +17,7 @@ execute_process(
 
 file(READ "${PROGRAM}.d" included)
 # What an output means, and what activations compute: headers that need nothing else of their rooms.
-string(REGEX REPLACE "tactnet/(networks/recognition|layers/(activation_function|piecewise_activations|smooth_activations))[.]hpp" "" included "${included}")
+string(REGEX REPLACE "tactnet/(networks/recognition|layers/activations/(activation_function|piecewise|smooth))[.]hpp" "" included "${included}")
 foreach(pattern IN ITEMS "/iostream" "/fstream" "/filesystem" "/Eigen/" "tactnet/layers" "tactnet/networks" "tactnet/io")
     if(included MATCHES "${pattern}")
         message(FATAL_ERROR "The header brings in ${pattern}, which a target without files may not have.")

@@ -3,9 +3,9 @@
 
 #include "../record.hpp"
 
-#include <tactnet/layers/batch_norm.hpp>
 #include <tactnet/layers/conv2d.hpp>
 #include <tactnet/layers/dense.hpp>
+#include <tactnet/layers/normalisation/batch_norm.hpp>
 
 #include <doctest/doctest.h>
 

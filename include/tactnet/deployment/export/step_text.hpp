@@ -3,7 +3,7 @@
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/kernels/frame/dense.hpp>
 #include <tactnet/kernels/local_response.hpp>
-#include <tactnet/layers/activation_function.hpp>
+#include <tactnet/layers/activations/activation_function.hpp>
 #include <tactnet/tensor/pooling_windows.hpp>
 #include <tactnet/tensor/shape.hpp>
 

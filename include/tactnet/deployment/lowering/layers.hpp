@@ -4,16 +4,16 @@
 #include <tactnet/deployment/steps/convolution.hpp>
 #include <tactnet/deployment/steps/elementwise.hpp>
 #include <tactnet/deployment/steps/pooling.hpp>
-#include <tactnet/layers/activation.hpp>
-#include <tactnet/layers/average_pool.hpp>
-#include <tactnet/layers/batch_norm.hpp>
+#include <tactnet/layers/activations/activation.hpp>
+#include <tactnet/layers/activations/softmax.hpp>
+#include <tactnet/layers/activations/square_root.hpp>
 #include <tactnet/layers/composition/named.hpp>
 #include <tactnet/layers/dense.hpp>
 #include <tactnet/layers/dropout.hpp>
-#include <tactnet/layers/local_response_norm.hpp>
-#include <tactnet/layers/max_pool.hpp>
-#include <tactnet/layers/softmax.hpp>
-#include <tactnet/layers/square_root.hpp>
+#include <tactnet/layers/normalisation/batch_norm.hpp>
+#include <tactnet/layers/normalisation/local_response_norm.hpp>
+#include <tactnet/layers/pooling/average_pool.hpp>
+#include <tactnet/layers/pooling/max_pool.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <tactnet/kernels/frame/elementwise.hpp>
 #include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
-#include <tactnet/layers/activation_function.hpp>
+#include <tactnet/layers/activations/activation_function.hpp>
 
 #include <algorithm>
 #include <cmath>

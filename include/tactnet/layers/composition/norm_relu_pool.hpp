@@ -1,13 +1,13 @@
 #pragma once
 
 #include <tactnet/kernels/batch/normalisation.hpp>
-#include <tactnet/layers/activation.hpp>
-#include <tactnet/layers/batch_norm.hpp>
+#include <tactnet/layers/activations/activation.hpp>
 #include <tactnet/layers/composition/concatenation.hpp>
 #include <tactnet/layers/composition/named.hpp>
 #include <tactnet/layers/composition/residual.hpp>
 #include <tactnet/layers/composition/sequence.hpp>
-#include <tactnet/layers/max_pool.hpp>
+#include <tactnet/layers/normalisation/batch_norm.hpp>
+#include <tactnet/layers/pooling/max_pool.hpp>
 
 #include <array>
 #include <cstddef>

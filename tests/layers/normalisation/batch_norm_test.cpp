@@ -1,4 +1,4 @@
-#include <tactnet/layers/batch_norm.hpp>
+#include <tactnet/layers/normalisation/batch_norm.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <tactnet/kernels/batch/pooling.hpp>
 #include <tactnet/layers/layer.hpp>
-#include <tactnet/layers/max_pool.hpp>
+#include <tactnet/layers/pooling/max_pool.hpp>
 
 #include <cstddef>
 #include <string_view>

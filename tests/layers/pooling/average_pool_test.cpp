@@ -1,4 +1,4 @@
-#include <tactnet/layers/average_pool.hpp>
+#include <tactnet/layers/pooling/average_pool.hpp>
 
 #include <support/layers/conformance.hpp>
 

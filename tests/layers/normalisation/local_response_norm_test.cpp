@@ -1,4 +1,4 @@
-#include <tactnet/layers/local_response_norm.hpp>
+#include <tactnet/layers/normalisation/local_response_norm.hpp>
 
 #include <support/layers/conformance.hpp>
 

@@ -1,4 +1,4 @@
-#include <tactnet/layers/max_pool.hpp>
+#include <tactnet/layers/pooling/max_pool.hpp>
 
 #include <cmath>
 #include <support/layers/conformance.hpp>

@@ -1,4 +1,4 @@
-#include <tactnet/layers/softmax.hpp>
+#include <tactnet/layers/activations/softmax.hpp>
 
 #include <cmath>
 #include <support/layers/conformance.hpp>

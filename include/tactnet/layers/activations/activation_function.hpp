@@ -6,9 +6,9 @@
 #include <type_traits>
 
 // An elementwise activation function, in one struct. From it follow the layer activation<Function>
-// (layers/activation.hpp), the deployed step in single precision and in 8 bits, its calibration and its
-// export as a header. Targets that run an exported network include the file of the function, so that file
-// should include no more than this one:
+// (layers/activations/activation.hpp), the deployed step in single precision and in 8 bits, its calibration
+// and its export as a header. Targets that run an exported network include the file of the function, so that
+// file should include no more than this one:
 //
 //     struct hard_tanh_function {
 //         static constexpr const char* name = "hard_tanh";  // in weight files
@@ -70,7 +70,7 @@ concept activation_function = requires(detail::activation_number<Function> x, do
     { Function::header } -> std::convertible_to<const char*>;
 };
 
-/// The elementwise layer of a function, defined in layers/activation.hpp.
+/// The elementwise layer of a function, defined in layers/activations/activation.hpp.
 template <activation_function Function>
 struct activation;
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/simd/special_functions.hpp>
-#include <tactnet/layers/activation_function.hpp>
+#include <tactnet/layers/activations/activation_function.hpp>
 
 // Activations with an exponential. Each is computed in vectors, and its error in single precision is bounded
 // in units in the last place. At −∞, SiLU and GELU are NaN, as in PyTorch.
@@ -11,7 +11,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// 1 ÷ (1 + e⁻ˣ), within 4 units in the last place; 0 below −87.3.
 struct sigmoid_function {
     static constexpr const char *name = "sigmoid", *title = "Sigmoid", *type = "tactnet::sigmoid_function",
-                                *header = "tactnet/layers/smooth_activations.hpp";
+                                *header = "tactnet/layers/activations/smooth.hpp";
     static constexpr bool takes_vectors = true, moves_zero = true;
 
     /// By e to the power of −|x|, which does not overflow.
@@ -31,7 +31,7 @@ struct sigmoid_function {
 /// 5 units in the last place; 0 below −87.3.
 struct silu_function {
     static constexpr const char *name = "silu", *title = "SiLU", *type = "tactnet::silu_function",
-                                *header = "tactnet/layers/smooth_activations.hpp";
+                                *header = "tactnet/layers/activations/smooth.hpp";
     static constexpr bool takes_vectors = true;
 
     template <class Number>
@@ -50,7 +50,7 @@ struct silu_function {
 struct hyperbolic_tangent_function {
     static constexpr const char *name = "tanh", *title = "Hyperbolic tangent",
                                 *type = "tactnet::hyperbolic_tangent_function",
-                                *header = "tactnet/layers/smooth_activations.hpp";
+                                *header = "tactnet/layers/activations/smooth.hpp";
     static constexpr bool takes_vectors = true;
 
     template <class Number>
@@ -66,7 +66,7 @@ struct hyperbolic_tangent_function {
 /// log(1 + eˣ), a smooth ReLU (Dugas et al., 2001), within 4 units in the last place; 0 below −87.3.
 struct softplus_function {
     static constexpr const char *name = "softplus", *title = "Softplus", *type = "tactnet::softplus_function",
-                                *header = "tactnet/layers/smooth_activations.hpp";
+                                *header = "tactnet/layers/activations/smooth.hpp";
     static constexpr bool takes_vectors = true, moves_zero = true;
 
     /// max(x, 0) + log(1 + e to the power of −|x|), which does not overflow.
@@ -87,7 +87,7 @@ struct softplus_function {
 /// 2016): PyTorch's GELU without approximation. Within 10 units in the last place; 0 below −13.2.
 struct gelu_function {
     static constexpr const char *name = "gelu", *title = "GELU", *type = "tactnet::gelu_function",
-                                *header = "tactnet/layers/smooth_activations.hpp";
+                                *header = "tactnet/layers/activations/smooth.hpp";
     static constexpr bool takes_vectors = true;
 
     template <class Number>

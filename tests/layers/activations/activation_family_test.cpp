@@ -1,5 +1,5 @@
-#include <tactnet/layers/piecewise_activations.hpp>
-#include <tactnet/layers/smooth_activations.hpp>
+#include <tactnet/layers/activations/piecewise.hpp>
+#include <tactnet/layers/activations/smooth.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/layers/activation_function.hpp>
+#include <tactnet/layers/activations/activation_function.hpp>
 
 #include <array>
 
@@ -17,7 +17,7 @@ struct leaky_relu_function {
                   "leaky_relu: the slope must be above 0 and below 1000 thousandths");
     static constexpr const char *name = "leaky_relu", *title = "Leaky ReLU",
                                 *type = "tactnet::leaky_relu_function",
-                                *header = "tactnet/layers/piecewise_activations.hpp";
+                                *header = "tactnet/layers/activations/piecewise.hpp";
     static constexpr std::array arguments{Thousandths};
 
     template <class T>
@@ -36,7 +36,7 @@ struct leaky_relu_function {
 /// x clamped to 0 … 6 (Howard et al., "MobileNets", 2017); NaN stays NaN.
 struct relu6_function {
     static constexpr const char *name = "relu6", *title = "ReLU6", *type = "tactnet::relu6_function",
-                                *header = "tactnet/layers/piecewise_activations.hpp";
+                                *header = "tactnet/layers/activations/piecewise.hpp";
 
     template <class T>
     static constexpr T value(T x) {
@@ -52,7 +52,7 @@ struct relu6_function {
 struct hard_sigmoid_function {
     static constexpr const char *name = "hard_sigmoid", *title = "Hard sigmoid",
                                 *type = "tactnet::hard_sigmoid_function",
-                                *header = "tactnet/layers/piecewise_activations.hpp";
+                                *header = "tactnet/layers/activations/piecewise.hpp";
     static constexpr bool moves_zero = true;
 
     template <class T>
@@ -69,7 +69,7 @@ struct hard_sigmoid_function {
 struct hard_swish_function {
     static constexpr const char *name = "hard_swish", *title = "Hard swish",
                                 *type = "tactnet::hard_swish_function",
-                                *header = "tactnet/layers/piecewise_activations.hpp";
+                                *header = "tactnet/layers/activations/piecewise.hpp";
 
     template <class T>
     static constexpr T value(T x) {

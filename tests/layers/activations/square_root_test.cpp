@@ -1,4 +1,4 @@
-#include <tactnet/layers/square_root.hpp>
+#include <tactnet/layers/activations/square_root.hpp>
 
 #include <doctest/doctest.h>
 

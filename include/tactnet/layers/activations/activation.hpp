@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/elementwise.hpp>
-#include <tactnet/layers/activation_function.hpp>
+#include <tactnet/layers/activations/activation_function.hpp>
 #include <tactnet/layers/layer.hpp>
 
 #include <concepts>

@@ -1,4 +1,4 @@
-#include <tactnet/layers/activation.hpp>
+#include <tactnet/layers/activations/activation.hpp>
 
 #include <cmath>
 #include <limits>
