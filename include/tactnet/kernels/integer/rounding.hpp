@@ -64,16 +64,20 @@ template <std::size_t Lanes>
         return __builtin_convertvector(whole, bytes);
 }
 
-/// `with_nearest` of sum × factor, clamped to the range relative to its zero.
+/// `with_nearest` of values clamped to the range relative to its zero; NaN becomes the lowest.
 template <std::size_t Lanes>
-[[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes>
-clamped_with_nearest(const int32_vec<Lanes>& sums, const float_vec<Lanes>& factors, const byte_range& range) {
+[[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes> clamped_with_nearest(float_vec<Lanes> values,
+                                                                                  const byte_range& range) {
     const float_vec<Lanes> least = range.least() - float_vec<Lanes>{},
                            most = range.most() - float_vec<Lanes>{};
-    float_vec<Lanes> values = __builtin_convertvector(sums, float_vec<Lanes>) * factors;
     values = values > least ? values : least;
     values = values < most ? values : most;
     return with_nearest<Lanes>(values);
+}
+template <std::size_t Lanes>
+[[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes>
+clamped_with_nearest(const int32_vec<Lanes>& sums, const float_vec<Lanes>& factors, const byte_range& range) {
+    return clamped_with_nearest<Lanes>(__builtin_convertvector(sums, float_vec<Lanes>) * factors, range);
 }
 
 } // namespace detail
@@ -90,6 +94,13 @@ template <std::size_t Lanes>
                                                  const float_vec<Lanes>& factors, const byte_range& range) {
     store_any(to, detail::last_bytes<Lanes>(detail::clamped_with_nearest<Lanes>(sums, factors, range) +
                                             range.zero()));
+}
+/// Stores values, each the result of one rounded product, as bytes: value + zero, rounded and clamped.
+template <std::size_t Lanes>
+[[gnu::always_inline]] inline void store_rounded(std::uint8_t* to, const float_vec<Lanes>& values,
+                                                 const byte_range& range) {
+    store_any(to,
+              detail::last_bytes<Lanes>(detail::clamped_with_nearest<Lanes>(values, range) + range.zero()));
 }
 
 /// How the sums of a convolution begin and what is applied to them, for vectors of `Lanes` filters.
