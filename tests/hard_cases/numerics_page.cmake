@@ -202,12 +202,44 @@ set(about_simulation "short circuits, broken lines, incompressible layers, force
 set(about_sums "ten million terms, and terms that cancel")
 set("about_support vector machines" "extreme costs and γ, unbalanced classes, separable probabilities")
 
+# What a row is, on the page of a topic.
+set(rows_features "Each row is an input of k-means, of a histogram of words or of an integral image.")
+set(rows_images "Each row resizes an image, or maps it by an affine transform with an extreme parameter.")
+string(CONCAT rows_loss "Each row passes logits to the cross-entropy and compares the loss, its gradient or the probabilities. "
+       "*Smoothing* is label smoothing. *Batch* is a trained network, *deployed* a deployed one."
+)
+string(CONCAT "rows_batch norm" "Each row normalises values with an unusual mean or variance. In rows with *deployed*, the batch norm is "
+       "folded into a convolution."
+)
+string(CONCAT "rows_frames in 8 bits" "Each row is a frame that a network deployed in 8 bits processes. Integers do not round, so the "
+       "bound is 0."
+)
+string(CONCAT rows_frames "Each row is a frame that a network with briefly trained weights processes: *batch* is the trained network, "
+       "*deployed* the deployed one. *Reported* means that the call returns an error instead of a number."
+)
+string(CONCAT rows_underflow "Each row computes with numbers near or below 1.2e-38, the smallest normal number of single precision. "
+       "*Flush-to-zero* is a mode of the processor in which smaller numbers become zero."
+)
+set(rows_Winograd "Each row compares convolutions by Winograd tiles with exact sums. The naive implementation sums directly.")
+set(rows_optimisers "Each row takes steps with an optimiser and compares a weight, a velocity or the result of a training.")
+string(CONCAT rows_simulation "The first rows solve the network of resistors that a readout is, with broken lines and short circuits. "
+       "The others press objects on springs, on a half space or on elastic layers. *ν* is Poisson's ratio of a layer; its thickness is "
+       "in cells."
+)
+set(rows_sums "Each row adds ten million numbers, or computes their mean or variance.")
+string(CONCAT "rows_support vector machines" "Each row trains a machine or evaluates it. *C* is the cost of a training sample on the wrong "
+       "side, *γ* the parameter of the RBF kernel. The *duality gap* of an exact solution is zero."
+)
+
 # A page per topic.
 set(count 0)
 set(contents "")
 foreach(topic IN LISTS topics)
     heading(title "${topic}")
-    string(CONCAT text "# ${title}: hard cases\n\n${note}\n${columns}.\n\n"
+    if("${rows_${topic}}" STREQUAL "")
+        message(FATAL_ERROR "numerics_page.cmake: say what a row of '${topic}' is.")
+    endif()
+    string(CONCAT text "# ${title}: hard cases\n\n${note}\n${rows_${topic}} ${columns}.\n\n"
              "| case | exact | naive | its error | tactnet | bound | error: ${set_titles} |\n"
              "|---|---|---|---|---|---|${set_rules}\n")
     foreach(key IN LISTS cases_${topic})
@@ -225,7 +257,8 @@ foreach(topic IN LISTS topics)
     endif()
     string(APPEND contents "| [${title}](numerics/${file}) | ${about_${topic}} | ${cases} |\n")
 endforeach()
-string(CONCAT text "# Limits of numerical stability\n\n${note}\n${columns}.\n\n"
+string(CONCAT text "# Limits of numerical stability\n\n${note}\nNothing is wrong in these cases, but an unusual input costs accuracy or "
+         "time: each row shows how much. ${columns}.\n\n"
          "| what | why | naive | tactnet: ${set_titles} |\n|---|---|---|${set_rules}\n")
 list(LENGTH limits limit_count)
 foreach(key IN LISTS limits)
@@ -239,7 +272,7 @@ string(APPEND contents
 
 # The ten most telling cases: topic, case, what goes wrong.
 list(GET sets 0 first_set)
-string(CONCAT text "## Ten examples\n\nEach error is that of the instruction set `${first_set}`, in the same unit as its bound "
+string(CONCAT text "## Ten examples\n\nErrors are those of the instruction set `${first_set}`, in the unit of the bound "
          "([columns](#reading-the-tables)).\n\n"
          "| case | why it is hard | exact | naive | tactnet | its error | bound |\n|---|---|---|---|---|---|---|\n")
 macro(telling topic case why)
