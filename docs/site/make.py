@@ -142,6 +142,8 @@ style = """/* Wide tables scroll by themselves; the page never does. */
 .md-typeset img { height: auto; }
 /* Lines of code have up to 120 columns. */
 .md-grid { max-width: 80rem; }
+/* Links on the dark background as in the reference: the theme's teal has too little contrast there. */
+[data-md-color-scheme="slate"] { --md-typeset-a-color: #5cc4b8; }
 """
 
 
