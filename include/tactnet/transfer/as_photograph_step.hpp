@@ -5,7 +5,7 @@
 #include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/image/resize.hpp>
 #include <tactnet/image/three_channels.hpp>
-#include <tactnet/kernels/integer/resampling.hpp>
+#include <tactnet/kernels/integer/photograph.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
@@ -94,7 +94,7 @@ struct as_photograph_step<eight_bit_between<Input, std::uint8_t>, From, InputStr
 private:
     using down = resize_axis<keys_cubic<>, From.rows, To.rows>;
     using along = resize_axis<keys_cubic<>, From.columns, To.columns>;
-    using kernel = kernels::integer_resampling<down, along>;
+    using kernel = kernels::integer_photograph<down, along>;
     // The terms subtracted from the sums of red, green, blue and nothing, their factors, then two bytes.
     static constexpr std::size_t starts = 0, factors = 4 * sizeof(float), bytes = 2 * factors;
     /// Bytes get fractions of seven bits, as the words of frames have.

@@ -14,7 +14,7 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 /// `Down` and `Along` are the taps of both axes (resize_axis): of an image of Down::inputs rows of
 /// Along::inputs columns.
 template <class Down, class Along>
-struct integer_resampling {
+struct integer_photograph {
     /// The unit of the taps, and of each sum of both passes: 1/one of a number of the input.
     static constexpr std::int32_t one = 1 << 13;
     /// Integers of 32 bits between the passes, and of one row after them.
@@ -57,7 +57,7 @@ private:
     static constexpr whole_taps<Along> along = rounded_taps<Along>();
     // A word of 16 bits times both gains has 31 bits: 32768 · 1.5² · 2¹³ < 2³¹.
     static_assert(largest_gain<Down>(down) <= one * 3 / 2 && largest_gain<Along>(along) <= one * 3 / 2,
-                  "integer_resampling: the taps would overflow");
+                  "integer_photograph: the taps would overflow");
 
 public:
     /// Resizes `input(pixel)`, words of 16 bits, and writes four bytes for each pixel: the sum minus each of
