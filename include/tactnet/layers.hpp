@@ -16,5 +16,6 @@
 #include <tactnet/layers/layer.hpp>
 #include <tactnet/layers/normalisation/batch_norm.hpp>
 #include <tactnet/layers/normalisation/local_response_norm.hpp>
+#include <tactnet/layers/pooling/adaptive_max_pool.hpp>
 #include <tactnet/layers/pooling/average_pool.hpp>
 #include <tactnet/layers/pooling/max_pool.hpp>

@@ -1,5 +1,12 @@
 #include <tactnet/networks.hpp>
 
+#ifdef CASE_adaptive_max_pool_no_outputs
+// expect: adaptive_max_pool: there must be at least one output
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 6}, tactnet::adaptive_max_pool<tactnet::extent2d{3, 0}>>;
+constexpr auto parameters = net::parameters;
+#endif
+
 #ifdef CASE_average_pool_window_too_large
 // expect: pool: the window is larger than the padded input; window_fits_padded_input shows window rows, window columns, padded rows, padded columns
 // expect: average_pool<

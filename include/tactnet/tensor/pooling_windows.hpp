@@ -76,8 +76,8 @@ struct average_axis {
     friend constexpr bool operator==(const average_axis&, const average_axis&) = default;
 };
 
-/// All windows of an average pool. The divisor counts the pixels under a window and, if `counts_padding`, the
-/// padding as well.
+/// All windows of an average pool, or the bins of an adaptive max pool. The divisor counts the pixels under a
+/// window and, if `counts_padding`, the padding as well.
 struct average_windows {
     average_axis rows, columns;
     bool counts_padding = false;

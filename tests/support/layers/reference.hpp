@@ -131,6 +131,8 @@ reference_pointer reference_average_pool(const reference_window& window, bool co
                                          std::size_t given_bottom, std::size_t given_right);
 /// PyTorch's adaptive average pool.
 reference_pointer reference_adaptive_average(extents3 input, std::size_t rows, std::size_t columns);
+/// PyTorch's adaptive max pool.
+reference_pointer reference_adaptive_max(extents3 input, std::size_t rows, std::size_t columns);
 reference_pointer reference_local_response_norm(extents3 input, std::size_t size, double alpha, double beta,
                                                 double k);
 reference_pointer reference_softmax(extents3 input);

@@ -100,12 +100,43 @@ private:
     reference_function function_;
 };
 
+/// The pixels of each output of one channel.
+using pixel_lists = std::vector<std::vector<std::size_t>>;
+
+pixel_lists pixels_of_windows(const reference_window& window) {
+    pixel_lists pixels(window.output_rows() * window.output_columns());
+    window.for_each_tap([&](std::size_t to, std::size_t from, std::size_t) { pixels[to].push_back(from); });
+    return pixels;
+}
+/// PyTorch's bins: from floor(i · size ÷ bins) to ceil((i + 1) · size ÷ bins).
+pixel_lists pixels_of_bins(extents3 input, std::size_t rows, std::size_t columns) {
+    struct range {
+        std::size_t begin, end;
+    };
+    const auto bin = [](std::size_t i, std::size_t size, std::size_t bins) -> range {
+        const double width = static_cast<double>(size) / static_cast<double>(bins);
+        return {static_cast<std::size_t>(std::floor(static_cast<double>(i) * width + 1e-9)),
+                static_cast<std::size_t>(std::ceil(static_cast<double>(i + 1) * width - 1e-9))};
+    };
+    pixel_lists pixels(rows * columns);
+    for (std::size_t o = 0; o < pixels.size(); ++o) {
+        const range r = bin(o / columns, input.rows, rows), c = bin(o % columns, input.columns, columns);
+        for (std::size_t y = r.begin; y < r.end; ++y)
+            for (std::size_t x = c.begin; x < c.end; ++x)
+                pixels[o].push_back(y * input.columns + x);
+    }
+    return pixels;
+}
+
 class max_pool final : public sample_by_sample {
 public:
-    explicit max_pool(const reference_window& window) : window_(window) {
-        input = window.input;
-        output = {input.channels, window.output_rows(), window.output_columns()};
+    max_pool(extents3 in, extents3 out, pixel_lists pixels) : pixels_(std::move(pixels)) {
+        input = in;
+        output = out;
     }
+    explicit max_pool(const reference_window& window)
+        : max_pool(window.input, {window.input.channels, window.output_rows(), window.output_columns()},
+                   pixels_of_windows(window)) {}
 
     [[nodiscard]] sample output_of(const reference_call&, const sample& in) const override {
         sample out(output.size());
@@ -126,15 +157,16 @@ public:
                                      const sample& out_gradient) const override {
         sample g(input.size());
         std::vector<std::size_t> first(output.size(), input.size()); // of the largest
+        std::vector<std::size_t> lists(input.size());                // that hold a pixel
         for_each([&](std::size_t o, std::size_t i) {
+            ++lists[i];
             if (first[o] == input.size() || in[i].value > in[first[o]].value)
                 first[o] = i;
         });
+        const auto additions = static_cast<double>(*std::max_element(lists.begin(), lists.end()));
         for (std::size_t o = 0; o < output.size(); ++o) {
             g[first[o]].value += out_gradient[o].value;
-            g[first[o]].error +=
-                std::abs(out_gradient[o].value) *
-                accumulated(call.roundoff, static_cast<double>(window_.kernel_rows * window_.kernel_columns));
+            g[first[o]].error += std::abs(out_gradient[o].value) * accumulated(call.roundoff, additions);
         }
         return g;
     }
@@ -151,19 +183,17 @@ public:
 private:
     template <class Body>
     void for_each(Body&& body) const {
-        for (std::size_t c = 0; c < input.channels; ++c)
-            window_.for_each_tap([&](std::size_t to, std::size_t from, std::size_t) {
-                body(c * output.area() + to, c * input.area() + from);
-            });
+        for (std::size_t o = 0; o < output.size(); ++o)
+            for (const std::size_t pixel : pixels_[o % output.area()])
+                body(o, o / output.area() * input.area() + pixel);
     }
-    reference_window window_;
+    pixel_lists pixels_;
 };
 
 /// Averages of pixels: what lies in which of them, and what the sums are divided by.
 class average final : public sample_by_sample {
 public:
-    average(extents3 in, extents3 out, std::vector<std::vector<std::size_t>> pixels,
-            std::vector<double> divisors)
+    average(extents3 in, extents3 out, pixel_lists pixels, std::vector<double> divisors)
         : pixels_(std::move(pixels)), divisors_(std::move(divisors)) {
         input = in;
         output = out;
@@ -206,12 +236,8 @@ private:
         for (const std::size_t pixel : pixels_[o % output.area()])
             body(o / output.area() * input.area() + pixel);
     }
-    std::vector<std::vector<std::size_t>> pixels_;
+    pixel_lists pixels_;
     std::vector<double> divisors_;
-};
-/// Windows of one direction.
-struct pixels_of {
-    std::size_t begin, end;
 };
 
 } // namespace
@@ -219,9 +245,8 @@ struct pixels_of {
 reference_pointer reference_average_pool(const reference_window& window, bool counts_padding,
                                          std::size_t given_bottom, std::size_t given_right) {
     const extents3 out{window.input.channels, window.output_rows(), window.output_columns()};
-    std::vector<std::vector<std::size_t>> pixels(out.area());
+    pixel_lists pixels = pixels_of_windows(window);
     std::vector<double> divisors(out.area());
-    window.for_each_tap([&](std::size_t to, std::size_t from, std::size_t) { pixels[to].push_back(from); });
     for (std::size_t o = 0; o < out.area(); ++o) {
         const std::size_t row = o / out.columns * window.stride_rows,
                           column = o % out.columns * window.stride_columns;
@@ -236,22 +261,16 @@ reference_pointer reference_average_pool(const reference_window& window, bool co
     return std::make_unique<average>(window.input, out, std::move(pixels), std::move(divisors));
 }
 reference_pointer reference_adaptive_average(extents3 input, std::size_t rows, std::size_t columns) {
-    const auto bin = [](std::size_t i, std::size_t size, std::size_t bins) -> pixels_of {
-        const double width = static_cast<double>(size) / static_cast<double>(bins);
-        return {static_cast<std::size_t>(std::floor(static_cast<double>(i) * width + 1e-9)),
-                static_cast<std::size_t>(std::ceil(static_cast<double>(i + 1) * width - 1e-9))};
-    };
-    std::vector<std::vector<std::size_t>> pixels(rows * columns);
-    std::vector<double> divisors(rows * columns);
-    for (std::size_t o = 0; o < pixels.size(); ++o) {
-        const pixels_of r = bin(o / columns, input.rows, rows), c = bin(o % columns, input.columns, columns);
-        for (std::size_t y = r.begin; y < r.end; ++y)
-            for (std::size_t x = c.begin; x < c.end; ++x)
-                pixels[o].push_back(y * input.columns + x);
-        divisors[o] = static_cast<double>(pixels[o].size());
-    }
+    pixel_lists pixels = pixels_of_bins(input, rows, columns);
+    std::vector<double> divisors;
+    for (const std::vector<std::size_t>& bin : pixels)
+        divisors.push_back(static_cast<double>(bin.size()));
     return std::make_unique<average>(input, extents3{input.channels, rows, columns}, std::move(pixels),
                                      std::move(divisors));
+}
+reference_pointer reference_adaptive_max(extents3 input, std::size_t rows, std::size_t columns) {
+    return std::make_unique<max_pool>(input, extents3{input.channels, rows, columns},
+                                      pixels_of_bins(input, rows, columns));
 }
 reference_pointer reference_relu(extents3 input) {
     return std::make_unique<relu>(input);

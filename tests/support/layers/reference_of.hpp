@@ -174,6 +174,12 @@ struct reference_of<tactnet::adaptive_average_pool<Output>> {
         return reference_adaptive_average(in, Output.rows, Output.columns);
     }
 };
+template <tactnet::extent2d Output>
+struct reference_of<tactnet::adaptive_max_pool<Output>> {
+    static reference_pointer on(extents3 in) {
+        return reference_adaptive_max(in, Output.rows, Output.columns);
+    }
+};
 template <std::size_t Size, class Alpha, class Beta, class K>
 struct reference_of<tactnet::local_response_norm<Size, Alpha, Beta, K>> {
     static reference_pointer on(extents3 in) {

@@ -12,6 +12,7 @@
 #include <tactnet/layers/dropout.hpp>
 #include <tactnet/layers/normalisation/batch_norm.hpp>
 #include <tactnet/layers/normalisation/local_response_norm.hpp>
+#include <tactnet/layers/pooling/adaptive_max_pool.hpp>
 #include <tactnet/layers/pooling/average_pool.hpp>
 #include <tactnet/layers/pooling/max_pool.hpp>
 
@@ -143,6 +144,24 @@ template <>
 struct lowering<global_max_pool> {
     template <class Place>
     using at = lowered_max_pool<Place>;
+};
+
+/// Equal bins are the windows of a max pool, which a convolution may fuse.
+template <extent2d Output>
+struct lowering<adaptive_max_pool<Output>> {
+    template <class Place>
+        requires(Place::layer::equal_bins)
+    static constexpr sliding_window maximum = [] {
+        constexpr shape input = Place::layer::input;
+        constexpr extent2d bin(input.rows / Output.rows, input.columns / Output.columns);
+        return sliding_window{input, bin, bin};
+    }();
+    template <class Place>
+    struct at : lowered_to<adaptive_max_pool_step<typename Place::format, Place::layer::input, Output,
+                                                  Place::input_stride>> {};
+    template <class Place>
+        requires(Place::layer::equal_bins)
+    struct at<Place> : lowered_to<pool_step<typename Place::format, maximum<Place>, Place::input_stride>> {};
 };
 
 /// The lowering of average pools.

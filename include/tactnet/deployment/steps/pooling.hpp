@@ -27,6 +27,26 @@ struct pool_step<single_precision, Window, Stride>
     }
 };
 
+/// A max pool over bins as equal as possible, which may overlap.
+template <class Format, shape Input, extent2d Output, std::size_t Stride>
+struct adaptive_max_pool_step;
+template <class Format, shape Input, extent2d Output, std::size_t Stride>
+struct step_description<adaptive_max_pool_step<Format, Input, Output, Stride>> {
+    static constexpr void visit(auto&& to) {
+        to("tactnet::adaptive_max_pool_step", "Adaptive max pool", std::type_identity<Format>{}, Input,
+           Output, input_stride_argument{});
+    }
+};
+
+template <shape Input, extent2d Output, std::size_t Stride>
+struct adaptive_max_pool_step<single_precision, Input, Output, Stride>
+    : step_base<single_precision, shape{Output.rows, Output.columns, Input.channels}, Stride> {
+    static void run(const float*, const float* in, float* out, float*) noexcept {
+        constexpr average_windows bins{{Input.rows, Output.rows}, {Input.columns, Output.columns}};
+        kernels::pool_frame<Stride>(bins, in, out);
+    }
+};
+
 /// An average pool.
 template <class Format, average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step;

@@ -7,7 +7,8 @@
 #include <cstddef>
 
 // Max and average pooling of one lane block. Padding is never read: a window is cut to the image. The windows
-// of an average are run-time values: the loops over them are the same for any size, and are compiled once.
+// of an average, and bins, are run-time values: the loops over them are the same for any size, and are
+// compiled once.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
@@ -50,6 +51,51 @@ void max_pool_backward(const T* input, const T* output, const T* output_gradient
                 store(place, tiles_input(W) ? given : load(place) + given);
             });
         });
+    }
+}
+
+/// output = the largest value of each bin; NaN wins.
+template <class T>
+void max_pool_forward(const average_windows& bins, std::size_t channels, const T* input, T* output) {
+    constexpr std::size_t width = lanes<T>;
+    const std::size_t columns_of_input = bins.columns.size;
+    for (std::size_t channel = 0; channel < channels; ++channel) {
+        bins.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t) {
+            vector<T> largest = load(input + (rows.begin * columns_of_input + columns.begin) * width);
+            for (std::size_t y = rows.begin; y < rows.end; ++y)
+                for (std::size_t x = columns.begin; x < columns.end; ++x)
+                    largest =
+                        maximum_keeping_nan<T>(load(input + (y * columns_of_input + x) * width), largest);
+            store(output + o * width, largest);
+        });
+        input += bins.rows.size * columns_of_input * width;
+        output += bins.rows.outputs * bins.columns.outputs * width;
+    }
+}
+
+/// input_gradient = the output gradient, at the first largest value of each bin; bins may overlap.
+template <class T>
+void max_pool_backward(const average_windows& bins, std::size_t channels, const T* input, const T* output,
+                       const T* output_gradient, T* input_gradient) {
+    constexpr std::size_t width = lanes<T>;
+    const std::size_t columns_of_input = bins.columns.size, plane = bins.rows.size * columns_of_input * width,
+                      outputs = bins.rows.outputs * bins.columns.outputs * width;
+    const vector<T> zero(T{});
+    std::fill_n(input_gradient, channels * plane, T{});
+    for (std::size_t channel = 0; channel < channels; ++channel) {
+        bins.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t) {
+            const vector<T> largest = load(output + o * width);
+            vector<T> rest = load(output_gradient + o * width);
+            for (std::size_t y = rows.begin; y < rows.end; ++y)
+                for (std::size_t x = columns.begin; x < columns.end; ++x) {
+                    const std::size_t pixel = (y * columns_of_input + x) * width;
+                    const auto here = load(input + pixel) == largest;
+                    store(input_gradient + pixel, load(input_gradient + pixel) + choose<T>(here, rest, zero));
+                    rest = choose<T>(here, zero, rest);
+                }
+        });
+        input += plane, input_gradient += plane;
+        output += outputs, output_gradient += outputs;
     }
 }
 

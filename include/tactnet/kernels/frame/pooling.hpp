@@ -94,6 +94,30 @@ template <sliding_window W, std::size_t Stride, class T>
 }
 
 /// `Vector` divides `stride`: one instantiation for each.
+template <class Vector, class T>
+void largest_pixels(const average_windows& bins, std::size_t stride, const T* input, T* output) {
+    using pixels = pixel_access<Vector>;
+    bins.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t) {
+        for (std::size_t channel = 0; channel < stride; channel += sizeof(Vector) / sizeof(T)) {
+            const auto at = [&](std::size_t y, std::size_t x) {
+                return pixels::load(input + (y * bins.columns.size + x) * stride + channel);
+            };
+            Vector largest = at(rows.begin, columns.begin);
+            for (std::size_t y = rows.begin; y < rows.end; ++y)
+                for (std::size_t x = columns.begin; x < columns.end; ++x)
+                    largest = pixels::larger(at(y, x), largest);
+            pixels::store(output + o * stride + channel, largest);
+        }
+    });
+}
+
+/// output = the largest value of each bin. `Stride` elements from one pixel to the next, in both maps.
+template <std::size_t Stride, class T>
+void pool_frame(const average_windows& bins, const T* input, T* output) {
+    largest_pixels<typename decltype(pixel_vector<T, Stride>())::type>(bins, Stride, input, output);
+}
+
+/// `Vector` divides `stride`: one instantiation for each.
 template <class Vector>
 void average_pixels(const average_windows& windows, std::size_t stride, const float* input, float* output) {
     constexpr std::size_t width = sizeof(Vector) / sizeof(float);

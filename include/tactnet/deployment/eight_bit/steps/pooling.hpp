@@ -24,6 +24,21 @@ struct pool_step<eight_bit, Window, Stride>
     }
 };
 
+/// An adaptive max pool in 8 bits.
+template <shape Input, extent2d Output, std::size_t Stride>
+struct adaptive_max_pool_step<eight_bit, Input, Output, Stride>
+    : step_base<eight_bit, shape{Output.rows, Output.columns, Input.channels}, Stride> {
+    static constexpr average_windows bins{{Input.rows, Output.rows}, {Input.columns, Output.columns}};
+
+    static void run(const std::int8_t*, const std::uint8_t* in, std::uint8_t* out, std::uint8_t*) noexcept {
+        kernels::pool_frame<Stride>(bins, in, out);
+    }
+    /// For calibration, whose maps are not aligned.
+    static void reference(const float*, const float* in, float* out) {
+        kernels::largest_pixels<float>(bins, Input.channels, in, out);
+    }
+};
+
 /// An average pool in 8 bits: sums of integers, divided as they are rounded.
 template <class Output, average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>
@@ -72,6 +87,10 @@ public:
 template <sliding_window Window, std::size_t Stride>
 struct pool_step<eight_bit::input_format, Window, Stride> : pool_step<eight_bit, Window, Stride>,
                                                             detail::cannot_read_the_frame<Stride> {};
+
+template <shape Input, extent2d Output, std::size_t Stride>
+struct adaptive_max_pool_step<eight_bit::input_format, Input, Output, Stride>
+    : adaptive_max_pool_step<eight_bit, Input, Output, Stride>, detail::cannot_read_the_frame<Stride> {};
 
 template <class Output, average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step<eight_bit_between<std::int16_t, Output>, Windows, Channels, Stride>

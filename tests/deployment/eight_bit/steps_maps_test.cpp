@@ -1,0 +1,16 @@
+#include "networks.hpp"
+
+#include <doctest/doctest.h>
+
+// Steps in 8 bits that give a map another size, against plain loops in whole numbers: every bit of small
+// networks.
+
+using namespace tactnet;
+using support::frames_that_differ;
+
+TEST_CASE("eight_bit: adaptive max pools give the bits of the plain reference") {
+    using pools = network<shape{13, 12, 2}, conv2d<6, 3>, adaptive_max_pool<extent2d(5, 7)>, relu,
+                          conv2d<20, 3>, batch_norm, adaptive_max_pool<extent2d(8, 3)>, relu, conv2d<16, 2>,
+                          relu, adaptive_max_pool<extent2d(4, 1)>, dense<5>>;
+    CHECK(frames_that_differ<pools>(61, 20) == 0);
+}

@@ -1,0 +1,35 @@
+#include "../deployed_network.hpp"
+
+#include <doctest/doctest.h>
+
+#include <type_traits>
+
+// Layers that give a map another size, deployed, at sizes that fill no vector.
+
+using namespace tactnet;
+
+TEST_CASE("deployed: adaptive max pools whose bins overlap, repeat pixels, or fill vectors") {
+    using net = network<shape{13, 11, 2}, conv2d<5, 3>, relu, adaptive_max_pool<extent2d(4, 7)>, //
+                        conv2d<16, 3>, adaptive_max_pool<extent2d(5, 3)>,                        //
+                        conv2d<24, 2>, relu, adaptive_max_pool<extent2d(9, 2)>, dense<5>>;
+    const support::error_shares errors = support::errors_of<net>(41, 5);
+    MESSAGE(errors);
+    CHECK(errors.good());
+    // As the first layer, and as the last.
+    CHECK(support::errors_of<network<shape{7, 5, 3}, adaptive_max_pool<extent2d(3, 2)>, dense<2>>>(42, 5)
+              .good());
+    CHECK(support::errors_of<network<shape{7, 5}, conv2d<3, 3>, adaptive_max_pool<extent2d(3, 2)>>>(43, 5)
+              .good());
+}
+
+TEST_CASE("deployed: a convolution fuses an adaptive max pool of equal bins") {
+    using net = network<shape{6, 9}, conv2d<8, 3>, relu, adaptive_max_pool<extent2d(2, 3)>, dense<3>>;
+    static_assert(std::is_same_v<
+                  lowered_network<net>::step,
+                  lowered_network<network<shape{6, 9}, conv2d<8, 3>, relu, max_pool<3>, dense<3>>>::step>);
+    CHECK(support::errors_of<net>(44, 5).good());
+    // Not after another pool, and not if there are too many pixels for registers.
+    using apart = network<shape{12, 8, 2}, conv2d<8, 3>, max_pool<2>, adaptive_max_pool<extent2d(3, 2)>,
+                          adaptive_max_pool<1>, dense<3>>;
+    CHECK(support::errors_of<apart>(45, 5).good());
+}
