@@ -19,3 +19,4 @@
 #include <tactnet/layers/pooling/adaptive_max_pool.hpp>
 #include <tactnet/layers/pooling/average_pool.hpp>
 #include <tactnet/layers/pooling/max_pool.hpp>
+#include <tactnet/layers/resizing/upsample.hpp>

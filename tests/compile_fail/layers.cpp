@@ -147,3 +147,10 @@ using net = tactnet::network<tactnet::shape{28, 50}, tactnet::conv2d<8, 5>, int,
 static_assert(net::outputs == 22);
 const net made;
 #endif
+
+#ifdef CASE_upsample_by_nothing
+// expect: upsample: the factor, or the size, must have at least one row and one column
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 6}, tactnet::upsample<tactnet::extent2d{2, 0}>>;
+constexpr auto parameters = net::parameters;
+#endif

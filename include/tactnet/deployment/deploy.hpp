@@ -5,6 +5,7 @@
 #include <tactnet/deployment/lowering/branches.hpp>
 #include <tactnet/deployment/lowering/convolution.hpp>
 #include <tactnet/deployment/lowering/layers.hpp>
+#include <tactnet/deployment/lowering/resizing.hpp>
 #include <tactnet/networks/model.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/runtime/thread_pool.hpp>

@@ -3,7 +3,7 @@
 #include <tactnet/quantisation/calibration.hpp>
 
 #ifdef CASE_average_pool_first
-// expect: in 8 bits a network cannot begin with a pool or a ReLU: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling or an activation: a convolution, a dense layer or a batch norm
 // at-most: 2
 using net = tactnet::network<tactnet::shape{8, 8}, tactnet::average_pool<2>, tactnet::conv2d<4, 3>,
                              tactnet::dense<2>>;
@@ -11,7 +11,7 @@ constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight
 #endif
 
 #ifdef CASE_pool_first
-// expect: in 8 bits a network cannot begin with a pool or a ReLU: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling or an activation: a convolution, a dense layer or a batch norm
 // at-most: 2
 using net =
     tactnet::network<tactnet::shape{8, 8}, tactnet::max_pool<2>, tactnet::conv2d<4, 3>, tactnet::dense<2>>;
@@ -19,7 +19,7 @@ constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight
 #endif
 
 #ifdef CASE_relu_first
-// expect: in 8 bits a network cannot begin with a pool or a ReLU: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling or an activation: a convolution, a dense layer or a batch norm
 // at-most: 2
 using net = tactnet::network<tactnet::shape{8, 8}, tactnet::relu, tactnet::conv2d<4, 3>, tactnet::dense<2>>;
 constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight_bytes;
@@ -43,4 +43,12 @@ tactnet::frame_status recognise(const tactnet::deployed<net, tactnet::eight_bit>
                                 std::span<float, net::outputs> logits) {
     return deployed.infer(frame, logits);
 }
+#endif
+
+#ifdef CASE_upsample_first
+// expect: in 8 bits a network cannot begin with a pool, an upsampling or an activation: a convolution, a dense layer or a batch norm
+// at-most: 2
+using net =
+    tactnet::network<tactnet::shape{8, 8}, tactnet::upsample<2>, tactnet::conv2d<4, 3>, tactnet::dense<2>>;
+constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight_bytes;
 #endif

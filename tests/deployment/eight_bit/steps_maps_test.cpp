@@ -14,3 +14,13 @@ TEST_CASE("eight_bit: adaptive max pools give the bits of the plain reference") 
                           relu, adaptive_max_pool<extent2d(4, 1)>, dense<5>>;
     CHECK(frames_that_differ<pools>(61, 20) == 0);
 }
+
+TEST_CASE("eight_bit: nearest and bilinear upsampling give the bits of the plain reference") {
+    using maps = network<shape{5, 6, 2}, conv2d<6, 3>, upsample<2>, conv2d<20, 3>, relu,
+                         upsample<extent2d(1, 3), interpolation::bilinear>, max_pool<2, 3>, conv2d<16, 3, 2>,
+                         upsample_to<extent2d(7, 5), interpolation::bilinear>, relu, conv2d<3, 1>,
+                         upsample_to<extent2d(3, 4)>, dense<5>>;
+    CHECK(frames_that_differ<maps>(62, 20) == 0);
+    using row = network<shape{1, 6}, conv2d<33, 1>, upsample<4, interpolation::bilinear>, conv2d<2, 3>>;
+    CHECK(frames_that_differ<row>(63, 20) == 0);
+}

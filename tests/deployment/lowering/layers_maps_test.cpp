@@ -22,6 +22,24 @@ TEST_CASE("deployed: adaptive max pools whose bins overlap, repeat pixels, or fi
               .good());
 }
 
+TEST_CASE("deployed: nearest and bilinear upsampling, by factors and to sizes") {
+    using net = network<shape{5, 7, 2}, conv2d<5, 3>, relu, upsample<2>, conv2d<16, 3>,          //
+                        upsample<extent2d(1, 3), interpolation::bilinear>, relu, max_pool<2, 3>, //
+                        conv2d<24, 3, 2>, upsample_to<extent2d(5, 9), interpolation::bilinear>,  //
+                        conv2d<4, 1>, upsample_to<extent2d(3, 13)>, dense<5>>;
+    const support::error_shares errors = support::errors_of<net>(46, 5);
+    MESSAGE(errors);
+    CHECK(errors.good());
+    // As the first layer, as the last, and in the branches of a block and of a concatenation.
+    CHECK(support::errors_of<
+              network<shape{3, 5, 3}, upsample<2, interpolation::bilinear>, conv2d<3, 2>, upsample<3>>>(47, 5)
+              .good());
+    using branch = sequence<conv2d<12, 3, 2>, upsample<2, interpolation::bilinear>>;
+    using branches = network<shape{6, 8}, conv2d<12, 3>, residual<conv2d<12, 3>, branch>, relu,
+                             concatenation<branch, conv2d<4, 1>>, dense<3>>;
+    CHECK(support::errors_of<branches>(48, 5).good());
+}
+
 TEST_CASE("deployed: a convolution fuses an adaptive max pool of equal bins") {
     using net = network<shape{6, 9}, conv2d<8, 3>, relu, adaptive_max_pool<extent2d(2, 3)>, dense<3>>;
     static_assert(std::is_same_v<

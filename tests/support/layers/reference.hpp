@@ -133,6 +133,8 @@ reference_pointer reference_average_pool(const reference_window& window, bool co
 reference_pointer reference_adaptive_average(extents3 input, std::size_t rows, std::size_t columns);
 /// PyTorch's adaptive max pool.
 reference_pointer reference_adaptive_max(extents3 input, std::size_t rows, std::size_t columns);
+/// PyTorch's nn.Upsample with mode 'nearest' or 'bilinear' and align_corners=False.
+reference_pointer reference_upsampling(extents3 input, std::size_t rows, std::size_t columns, bool linear);
 reference_pointer reference_local_response_norm(extents3 input, std::size_t size, double alpha, double beta,
                                                 double k);
 reference_pointer reference_softmax(extents3 input);

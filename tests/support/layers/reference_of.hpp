@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <numbers>
 #include <support/layers/reference.hpp>
+#include <support/layers/reference_of_maps.hpp>
 #include <utility>
 #include <vector>
 

@@ -287,24 +287,6 @@ struct reference_step<tactnet::pool_step<tactnet::eight_bit, W, Stride>, Product
     }
 };
 
-template <tactnet::shape Input, tactnet::extent2d Output, std::size_t Stride, class Products>
-struct reference_step<tactnet::adaptive_max_pool_step<tactnet::eight_bit, Input, Output, Stride>, Products> {
-    static whole_map run(const float*, const whole_map& in, const whole_map&) {
-        const reference_pointer pool =
-            reference_adaptive_max({1, Input.rows, Input.columns}, Output.rows, Output.columns);
-        whole_map result(tactnet::shape{Output.rows, Output.columns, Input.channels});
-        for (std::size_t c = 0; c < Input.channels; ++c) {
-            sample map(Input.area());
-            for (std::size_t pixel = 0; pixel < map.size(); ++pixel)
-                map[pixel].value = static_cast<double>(in.whole[pixel * Input.channels + c]);
-            map = pool->forward({}, {map}).front();
-            for (std::size_t pixel = 0; pixel < map.size(); ++pixel)
-                result.whole[pixel * Input.channels + c] = static_cast<std::int64_t>(map[pixel].value);
-        }
-        return result;
-    }
-};
-
 template <class Output, tactnet::average_windows W, std::size_t Channels, std::size_t Stride, class Products>
 struct reference_step<
     tactnet::average_pool_step<tactnet::eight_bit_between<std::uint8_t, Output>, W, Channels, Stride>,
@@ -404,3 +386,5 @@ std::vector<float> reference_outputs(std::span<const float> folded, std::span<co
 }
 
 } // namespace support
+
+#include <support/layers/whole_reference_maps.hpp>

@@ -132,8 +132,8 @@ namespace detail {
 template <std::size_t Stride>
 struct cannot_read_the_frame {
     static_assert(Stride == 0,
-                  "deploy: in 8 bits a network cannot begin with a pool or a ReLU: a convolution, "
-                  "a dense layer or a batch norm must come first");
+                  "deploy: in 8 bits a network cannot begin with a pool, an upsampling or an activation: a "
+                  "convolution, a dense layer or a batch norm must come first");
 };
 
 } // namespace detail

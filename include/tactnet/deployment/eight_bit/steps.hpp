@@ -6,6 +6,7 @@
 #include <tactnet/deployment/eight_bit/steps/convolution.hpp>
 #include <tactnet/deployment/eight_bit/steps/elementwise.hpp>
 #include <tactnet/deployment/eight_bit/steps/pooling.hpp>
+#include <tactnet/deployment/eight_bit/steps/resampling.hpp>
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/integer/elementwise.hpp>
 

@@ -3,6 +3,7 @@
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/kernels/frame/dense.hpp>
 #include <tactnet/kernels/local_response.hpp>
+#include <tactnet/kernels/sampling_axis.hpp>
 #include <tactnet/layers/activations/activation_function.hpp>
 #include <tactnet/tensor/pooling_windows.hpp>
 #include <tactnet/tensor/shape.hpp>
@@ -48,6 +49,10 @@ namespace detail {
 }
 [[nodiscard]] inline std::string text_of(const extent2d& e) {
     return "tactnet::extent2d" + list_of(e);
+}
+[[nodiscard]] inline std::string text_of(interpolation mode) {
+    return std::string("tactnet::interpolation::") +
+           (mode == interpolation::nearest ? "nearest" : "bilinear");
 }
 [[nodiscard]] inline std::string text_of(const sliding_window& w) {
     const auto& [input, kernel, stride, top, bottom, left, right] = w;

@@ -8,9 +8,9 @@
 #include <cstddef>
 
 // A separable resize of one channel of a lane block, with compile-time weights. The axes `Down` and `Along`
-// (image/resize_kernel.hpp) have `inputs`, `outputs`, `taps` and a `table` with the first input and the
-// weights of each output. A weight of zero is no tap, so that NaN and infinity reach only the outputs that
-// they belong to.
+// (image/resize_kernel.hpp, kernels/sampling_axis.hpp) have `inputs`, `outputs`, `taps` and a `table` with
+// the first input and the weights of each output. A weight of zero is no tap, so that NaN and infinity reach
+// only the outputs that they belong to.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
@@ -44,7 +44,7 @@ void resample_lanes(const T* from, const Take& take) {
 /// The backward pass: `to` becomes the input gradient; give(output pixel) returns the gradient of an output.
 template <class T, class Down, class Along, class Give>
 void resample_lanes_backward(const Give& give, T* to) {
-    const auto add = [](T* place, float weight, const vector<T>& gradient) {
+    const auto add = [](T* place, auto weight, const vector<T>& gradient) {
         store(place, multiply_add<T>(vector<T>(static_cast<T>(weight)), gradient,
                                      load<T>(static_cast<const T*>(place))));
     };

@@ -1,0 +1,75 @@
+#pragma once
+
+// What steps in 8 bits must give that give a map another size. whole_reference.hpp includes it.
+
+#include <tactnet/deployment/eight_bit/steps.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <support/layers/reference.hpp>
+#include <support/layers/whole_reference.hpp>
+
+namespace support {
+
+template <tactnet::shape Input, tactnet::extent2d Output, std::size_t Stride, class Products>
+struct reference_step<tactnet::adaptive_max_pool_step<tactnet::eight_bit, Input, Output, Stride>, Products> {
+    static whole_map run(const float*, const whole_map& in, const whole_map&) {
+        const reference_pointer pool =
+            reference_adaptive_max({1, Input.rows, Input.columns}, Output.rows, Output.columns);
+        whole_map result(tactnet::shape{Output.rows, Output.columns, Input.channels});
+        for (std::size_t c = 0; c < Input.channels; ++c) {
+            sample map(Input.area());
+            for (std::size_t pixel = 0; pixel < map.size(); ++pixel)
+                map[pixel].value = static_cast<double>(in.whole[pixel * Input.channels + c]);
+            map = pool->forward({}, {map}).front();
+            for (std::size_t pixel = 0; pixel < map.size(); ++pixel)
+                result.whole[pixel * Input.channels + c] = static_cast<std::int64_t>(map[pixel].value);
+        }
+        return result;
+    }
+};
+
+/// Sums of bytes times whole parts of a pixel, times 1 ÷ all parts in single precision.
+template <tactnet::interpolation Mode, tactnet::shape Input, tactnet::extent2d Output, std::size_t Stride,
+          class Products>
+struct reference_step<tactnet::resampling_step<tactnet::eight_bit, Mode, Input, Output, Stride>, Products> {
+    static constexpr bool linear = Mode == tactnet::interpolation::bilinear;
+    struct place {
+        std::size_t pixel;
+        std::int64_t here, after; ///< parts of the pixel and of the next
+    };
+    /// Output `o` lies at ((2 o + 1) · from − to) ÷ (2 to), or at o · from ÷ to.
+    static place place_of(std::size_t o, std::size_t from, std::size_t to) {
+        if (!linear)
+            return {o * from / to, 1, 0};
+        const std::size_t common = std::gcd(from, to), all = 2 * to / common,
+                          at = (std::max((2 * o + 1) * from, to) - to) / common;
+        const auto after = static_cast<std::int64_t>(at / all + 1 < from ? at % all : 0);
+        return {at / all, static_cast<std::int64_t>(all) - after, after};
+    }
+    static whole_map run(const float*, const whole_map& in, const whole_map&) {
+        whole_map result(tactnet::shape{Output.rows, Output.columns, Input.channels});
+        for (std::size_t y = 0; y < result.rows; ++y)
+            for (std::size_t x = 0; x < result.columns; ++x)
+                for (std::size_t c = 0; c < Input.channels; ++c) {
+                    const place down = place_of(y, Input.rows, Output.rows),
+                                along = place_of(x, Input.columns, Output.columns);
+                    const auto pixel = [&](std::size_t below, std::size_t beside) {
+                        return in.whole[in.at(std::min(down.pixel + below, Input.rows - 1),
+                                              std::min(along.pixel + beside, Input.columns - 1), c)];
+                    };
+                    const std::int64_t sum =
+                        down.here * (along.here * pixel(0, 0) + along.after * pixel(0, 1)) +
+                        down.after * (along.here * pixel(1, 0) + along.after * pixel(1, 1));
+                    const auto all =
+                        static_cast<float>((down.here + down.after) * (along.here + along.after));
+                    result.whole[result.at(y, x, c)] = reference_byte(sum, 1 / all, 0, false);
+                }
+        return result;
+    }
+};
+
+} // namespace support
