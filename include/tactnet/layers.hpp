@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/layers/activations/activation.hpp>
+#include <tactnet/layers/activations/parametric_relu.hpp>
 #include <tactnet/layers/activations/piecewise.hpp>
 #include <tactnet/layers/activations/smooth.hpp>
 #include <tactnet/layers/activations/softmax.hpp>

@@ -1,3 +1,6 @@
+#include <tactnet/layers/activations/parametric_relu.hpp>
+#include <tactnet/layers/dense.hpp>
+#include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/training/initialise.hpp>
 
@@ -47,4 +50,16 @@ TEST_CASE("initialise: deviations, zeros and ones; a function of the seed") {
     CHECK(values(net) == values(again));
     CHECK(values(net) != values(other));
     CHECK(net.learnable_values()[0] != net.learnable_values()[208 + 16]); // arrays are not drawn alike
+}
+
+TEST_CASE("initialise: slopes of a parametric ReLU are a quarter, as in PyTorch") {
+    network<shape{3, 4, 5}, parametric_relu, dense<2>> net;
+    const auto slopes_are_a_quarter = [&] {
+        const auto slopes = net.learnable_values().first(5);
+        return std::all_of(slopes.begin(), slopes.end(), [](float v) { return v == 0.25f; });
+    };
+    CHECK(slopes_are_a_quarter());
+    std::fill(net.learnable_values().begin(), net.learnable_values().end(), 99.0f);
+    initialise(net, he_normal{}, 1);
+    CHECK(slopes_are_a_quarter());
 }

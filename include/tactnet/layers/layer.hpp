@@ -77,11 +77,18 @@ private:
 };
 
 /// What an array of a network is for.
-enum class parameter_role { weight, bias, scale, shift, running_mean, running_variance };
+enum class parameter_role { weight, bias, scale, shift, slope, running_mean, running_variance };
 
 /// Whether gradient descent changes the array; running statistics are not learnable.
 [[nodiscard]] constexpr bool learnable(parameter_role r) {
     return r != parameter_role::running_mean && r != parameter_role::running_variance;
+}
+
+/// The elements of an array before training; weights are then drawn at random.
+[[nodiscard]] constexpr double initial_value(parameter_role r) {
+    return r == parameter_role::scale || r == parameter_role::running_variance ? 1
+           : r == parameter_role::slope                                        ? 0.25
+                                                                               : 0;
 }
 
 /// One array of a network. Its offset, in elements, is into the learnable parameters of the network or into

@@ -115,13 +115,12 @@ public:
         typename logit_layers::memory memory_;
     };
 
-    /// All parameters are zero, except scales and running variances, which are one. See initialise() in
-    /// training.
+    /// All parameters have their initial_value: zero, except scales and running variances, which are one, and
+    /// slopes. See initialise() in training.
     basic_network()
         : values_(kernels::padded_size<T>(parameters)), statistics_(kernels::padded_size<T>(statistics)) {
         for_each_parameter([](const parameter& p, std::span<T> values) {
-            if (p.role == parameter_role::scale || p.role == parameter_role::running_variance)
-                std::fill(values.begin(), values.end(), T{1});
+            std::fill(values.begin(), values.end(), static_cast<T>(initial_value(p.role)));
         });
     }
 

@@ -32,8 +32,7 @@ template <class T>
 void initialise(const parameter& p, std::span<T> values, const initialisation& rule, std::uint64_t seed,
                 std::uint32_t& index) {
     if (p.role != parameter_role::weight) {
-        const bool one = p.role == parameter_role::scale || p.role == parameter_role::running_variance;
-        std::fill(values.begin(), values.end(), T(one ? 1 : 0));
+        std::fill(values.begin(), values.end(), static_cast<T>(initial_value(p.role)));
         return;
     }
     const auto* fixed = std::get_if<fixed_normal>(&rule);
@@ -46,7 +45,7 @@ void initialise(const parameter& p, std::span<T> values, const initialisation& r
 } // namespace detail
 
 /// Draws all weights at random; biases, shifts and running means become zero, scales and running variances
-/// one.
+/// one, slopes ¼.
 template <class Network>
 void initialise(Network& network, const initialisation& rule, std::uint64_t seed) {
     std::uint32_t index = 0;

@@ -12,12 +12,15 @@ using smooth = network<shape{7, 9, 2}, conv2d<5, 3>, silu, conv2d<6, 3>, batch_n
                        conv2d<3, 2>, softplus, hyperbolic_tangent, sigmoid, dense<4>>;
 using clamped = network<shape{5, 6, 3}, conv2d<7, 3>, hard_swish, conv2d<6, 3>, batch_norm, relu6,
                         conv2d<3, 2>, leaky_relu<>, hard_sigmoid, conv2d<9, 1>, leaky_relu<200>, dense<4>>;
+using sloped = network<shape{7, 9, 2}, conv2d<5, 3>, parametric_relu, conv2d<16, 3>, batch_norm,
+                       parametric_relu, max_pool<2>, conv2d<33, 2>, parametric_relu, dense<4>>;
 
 } // namespace
 
 TEST_CASE("deployed: activations within the derived bound") {
     for (const support::error_shares& errors :
-         {support::errors_of<smooth>(51, 5), support::errors_of<clamped>(52, 5)}) {
+         {support::errors_of<smooth>(51, 5), support::errors_of<clamped>(52, 5),
+          support::errors_of<sloped>(55, 5)}) {
         MESSAGE(errors);
         CHECK(errors.good());
     }
@@ -26,4 +29,5 @@ TEST_CASE("deployed: activations within the derived bound") {
 TEST_CASE("deployed: activations in 8 bits give the bits of the plain reference") {
     CHECK(support::frames_that_differ<smooth>(53, 10) == 0);
     CHECK(support::frames_that_differ<clamped>(54, 10) == 0);
+    CHECK(support::frames_that_differ<sloped>(56, 10) == 0);
 }

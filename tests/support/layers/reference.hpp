@@ -149,6 +149,8 @@ struct reference_function {
     double largest_slope = 1;
 };
 reference_pointer reference_activation(extents3 input, const reference_function& function);
+/// x above 0, otherwise x times the slope of its channel.
+reference_pointer reference_parametric_relu(extents3 input);
 /// Dropout of nothing, and any dropout after training.
 reference_pointer reference_identity(extents3 input);
 reference_pointer reference_sequence(extents3 input, std::vector<reference_pointer> layers);

@@ -34,6 +34,51 @@ public:
     }
 };
 
+class parametric_relu final : public reference_layer {
+public:
+    explicit parametric_relu(extents3 size) {
+        input = output = size;
+        parameters = size.channels;
+    }
+
+    /// One product.
+    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
+        samples out = in;
+        for (sample& each : out)
+            for (std::size_t i = 0; i < each.size(); ++i) {
+                bounded& b = each[i];
+                const double slope = call.values[i / input.area()], steepest = std::max(1.0, std::abs(slope));
+                b = {b.value > 0 ? b.value : slope * b.value, b.error * steepest, b.deviation * steepest};
+                b.error += accumulated(call.roundoff, 1) * magnitude(b) + lost;
+                b.deviation = std::sqrt(square(b.deviation) + drift(call, 1, b.value)) + lost;
+            }
+        return out;
+    }
+    [[nodiscard]] bool has_backward() const override { return true; }
+    /// One product. Those of a slope are summed in runs of 16, then in double.
+    [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
+                                               const samples& out_gradient) const override {
+        reference_gradients g{out_gradient, sample(parameters)};
+        std::vector<double> sizes(parameters);
+        for (std::size_t s = 0; s < in.size(); ++s)
+            for (std::size_t i = 0; i < input.size(); ++i) {
+                const std::size_t c = i / input.area();
+                const double x = in[s][i].value, dy = out_gradient[s][i].value;
+                if (x > 0)
+                    continue;
+                g.input[s][i].value = call.values[c] * dy;
+                g.input[s][i].error = accumulated(call.roundoff, 1) * std::abs(call.values[c] * dy);
+                g.values[c].value += x * dy;
+                sizes[c] += std::abs(x * dy);
+            }
+        const auto terms = static_cast<double>(in.size() * input.area());
+        for (std::size_t c = 0; c < parameters; ++c)
+            g.values[c].error =
+                (accumulated(call.roundoff, 16 + 2) + accumulated(unit_roundoff<double>, terms)) * sizes[c];
+        return g;
+    }
+};
+
 class square_root final : public sample_by_sample {
 public:
     square_root(extents3 size, double offset) : offset_(offset) { input = output = size; }
@@ -274,6 +319,9 @@ reference_pointer reference_adaptive_max(extents3 input, std::size_t rows, std::
 }
 reference_pointer reference_relu(extents3 input) {
     return std::make_unique<relu>(input);
+}
+reference_pointer reference_parametric_relu(extents3 input) {
+    return std::make_unique<parametric_relu>(input);
 }
 reference_pointer reference_max_pool(const reference_window& window) {
     return std::make_unique<max_pool>(window);

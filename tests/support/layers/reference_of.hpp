@@ -59,6 +59,10 @@ template <>
 struct reference_of<tactnet::relu> {
     static reference_pointer on(extents3 in) { return reference_relu(in); }
 };
+template <>
+struct reference_of<tactnet::parametric_relu> {
+    static reference_pointer on(extents3 in) { return reference_parametric_relu(in); }
+};
 /// Values and derivatives by the standard library.
 template <unsigned Thousandths>
 struct reference_of<tactnet::leaky_relu<Thousandths>> {

@@ -255,6 +255,22 @@ struct reference_step<tactnet::activation_step<tactnet::eight_bit, Function, Map
     }
 };
 
+/// The factor of a slope is rounded once, as that of the ranges.
+template <tactnet::shape Map, std::size_t Stride, class Products>
+struct reference_step<tactnet::parametric_relu_step<tactnet::eight_bit, Map, Stride>, Products> {
+    static whole_map run(const float* folded, whole_map map, const whole_map&) {
+        const float* at = folded + Map.channels;
+        const reference_range input = reference_range::next(at), output = reference_range::next(at);
+        for (std::size_t i = 0; i < map.whole.size(); ++i) {
+            const std::int64_t steps = map.whole[i] - input.zero;
+            const double slope = steps > 0 ? 1 : static_cast<double>(folded[i % Map.channels]);
+            map.whole[i] = reference_byte(steps, static_cast<float>(slope * (input.scale / output.scale)),
+                                          output.zero, false);
+        }
+        return map;
+    }
+};
+
 /// In double precision, rounded once.
 template <class Step, class Products>
 struct reference_step<tactnet::step_with_softmax<Step>, Products> {

@@ -108,7 +108,7 @@ private:
         const step_ranges ranges{range_of(step, "input"), range_of(step, "added"), range_of(step, "output")};
         const folded_step::array *const weights = step.find("weight"), *const biases = step.find("bias"),
                                         *const scales = step.find("scale");
-        if (weights == nullptr)
+        if (weights == nullptr || biases == nullptr)
             return check_factor(step.arrays[0].name, 0, static_cast<double>(ranges.input.scale),
                                 ranges.output);
         for (std::size_t f = 0; f < biases->size && !problem_; ++f) {

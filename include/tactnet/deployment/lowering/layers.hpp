@@ -3,8 +3,10 @@
 #include <tactnet/deployment/lowering/lowering.hpp>
 #include <tactnet/deployment/steps/convolution.hpp>
 #include <tactnet/deployment/steps/elementwise.hpp>
+#include <tactnet/deployment/steps/parametric_relu.hpp>
 #include <tactnet/deployment/steps/pooling.hpp>
 #include <tactnet/layers/activations/activation.hpp>
+#include <tactnet/layers/activations/parametric_relu.hpp>
 #include <tactnet/layers/activations/softmax.hpp>
 #include <tactnet/layers/activations/square_root.hpp>
 #include <tactnet/layers/composition/named.hpp>
@@ -82,6 +84,21 @@ struct lowering<activation<Function>> {
     template <class Place>
     using at = lowered_to<
         activation_step<typename Place::format, Function, Place::layer::output, Place::input_stride>>;
+};
+
+/// A parametric ReLU: its slopes.
+template <class Place>
+struct lowered_parametric_relu {
+    using step = parametric_relu_step<typename Place::format, Place::layer::output, Place::input_stride>;
+
+    static void fold(const parameter_source& list, float* to) {
+        std::copy_n(Place::parameters(list).values, Place::layer::channels, to);
+    }
+};
+template <>
+struct lowering<parametric_relu> {
+    template <class Place>
+    using at = lowered_parametric_relu<Place>;
 };
 
 template <class Offset>

@@ -30,7 +30,7 @@ using branched_network = tactnet::network<
                            tactnet::sequence<tactnet::conv2d<8, 3>, tactnet::relu>>,
     tactnet::conv2d<12, 3, 1, tactnet::padding::same, tactnet::in_groups(12)>, tactnet::relu,
     tactnet::conv2d<6, 2, 1, tactnet::padding::same, tactnet::in_groups(2)>, tactnet::batch_norm,
-    tactnet::relu, tactnet::adaptive_max_pool<tactnet::extent2d{5, 4}>,
+    tactnet::parametric_relu, tactnet::adaptive_max_pool<tactnet::extent2d{5, 4}>,
     tactnet::upsample<tactnet::extent2d{1, 2}>, tactnet::upsample<2, tactnet::interpolation::bilinear>,
     tactnet::average_pool<2, 1>, tactnet::dense<3>, tactnet::softmax>;
 
