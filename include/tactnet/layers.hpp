@@ -21,3 +21,4 @@
 #include <tactnet/layers/pooling/average_pool.hpp>
 #include <tactnet/layers/pooling/max_pool.hpp>
 #include <tactnet/layers/resizing/upsample.hpp>
+#include <tactnet/layers/transposed_conv2d.hpp>

@@ -138,6 +138,37 @@ static_assert(net::outputs == 22);
 const net made;
 #endif
 
+#ifdef CASE_transposed_conv2d_ceil_mode
+// expect: transposed_conv2d: ceil_mode has no meaning here; give the padding with pad
+// at-most: 1
+using net =
+    tactnet::network<tactnet::shape{7, 13, 1}, tactnet::transposed_conv2d<8, 3, 2, tactnet::ceil_mode()>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_transposed_conv2d_nothing_remains
+// expect: transposed_conv2d: the padding leaves no row or no column
+// at-most: 1
+using net = tactnet::network<tactnet::shape{1, 13, 1}, tactnet::transposed_conv2d<8, 3, 2, tactnet::pad(2)>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_transposed_conv2d_no_stride
+// expect: transposed_conv2d: filters, kernel and stride must be at least 1
+// at-most: 1
+using net =
+    tactnet::network<tactnet::shape{7, 13, 1}, tactnet::transposed_conv2d<8, 3, 0>, tactnet::dense<3>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_transposed_conv2d_padding_too_large
+// expect: transposed_conv2d: the padding must be smaller than the kernel; padding_below_kernel shows kernel rows, kernel columns, rows and columns of padding on one side
+// expect: KernelRows = 3; MostRowsOfPadding = 3|padding_below_kernel<3U?L?, 3U?L?, 3U?L?, 3U?L?>
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 1}, tactnet::transposed_conv2d<8, 3, 2, tactnet::pad(3)>>;
+constexpr auto parameters = net::parameters;
+#endif
+
 #ifdef CASE_type_without_specification
 // expect: network: each entry of a list must be a layer specification, with name, numbered, costs.const shape&. and a template layer<class, shape>; layer_specification shows what is missing
 // expect: .Spec::name. (is|would be) invalid

@@ -24,3 +24,10 @@ TEST_CASE("eight_bit: nearest and bilinear upsampling give the bits of the plain
     using row = network<shape{1, 6}, conv2d<33, 1>, upsample<4, interpolation::bilinear>, conv2d<2, 3>>;
     CHECK(frames_that_differ<row>(63, 20) == 0);
 }
+
+TEST_CASE("eight_bit: transposed convolutions give the bits of the plain reference") {
+    using maps = network<shape{3, 4, 2}, transposed_conv2d<5, 3, 2, pad(1, 0, 1, 0)>, batch_norm, relu,
+                         conv2d<8, 3, 2>, transposed_conv2d<16, 4, 2>, relu, conv2d<9, 3, 2>,
+                         transposed_conv2d<3, 2, extent2d(1, 3)>, transposed_conv2d<4, 3, 1>, dense<5>>;
+    CHECK(frames_that_differ<maps>(64, 20) == 0);
+}

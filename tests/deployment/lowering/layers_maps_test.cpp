@@ -51,3 +51,19 @@ TEST_CASE("deployed: a convolution fuses an adaptive max pool of equal bins") {
                           adaptive_max_pool<1>, dense<3>>;
     CHECK(support::errors_of<apart>(45, 5).good());
 }
+
+TEST_CASE("deployed: transposed convolutions, with the batch norm and the ReLU after them") {
+    using net = network<shape{3, 4, 2}, transposed_conv2d<5, 3, 2, pad(1, 0, 1, 0)>, batch_norm, relu, //
+                        conv2d<8, 3, 2>, transposed_conv2d<16, 4, 2>, relu,                            //
+                        transposed_conv2d<3, 2, extent2d(1, 3), padding::same, false>, batch_norm,     //
+                        transposed_conv2d<4, 3, 1>, relu, batch_norm, dense<5>>;
+    const support::error_shares errors = support::errors_of<net>(49, 5);
+    MESSAGE(errors);
+    CHECK(errors.good());
+    // In branches, and as the last layer.
+    using branch = sequence<conv2d<12, 3, 2>, transposed_conv2d<12, 2>>;
+    using branches =
+        network<shape{6, 8}, conv2d<12, 3>, residual<conv2d<12, 3>, branch>, relu,
+                concatenation<branch, conv2d<4, 1>>, transposed_conv2d<2, 5, 3, pad(0, 4, 2, 1)>>;
+    CHECK(support::errors_of<branches>(50, 5).good());
+}

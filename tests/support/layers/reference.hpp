@@ -121,6 +121,16 @@ struct reference_tiles {
 reference_pointer reference_convolution(const reference_window& window, std::size_t filters,
                                         std::size_t groups = 1, bool bias = true,
                                         const reference_tiles& tiles = {});
+/// The geometry of a transposed convolution: `crop_top` and `crop_left` rows and columns of an output of
+/// (size − 1) × stride + kernel are left out, and what remains is cut or filled up to rows × columns.
+struct reference_enlargement {
+    extents3 input;
+    std::size_t filters, rows, columns;
+    std::size_t kernel_rows, kernel_columns, stride_rows, stride_columns;
+    std::size_t crop_top, crop_left;
+};
+reference_pointer reference_transposed_convolution(const reference_enlargement& geometry, bool bias,
+                                                   const reference_tiles& tiles = {});
 reference_pointer reference_dense(extents3 input, std::size_t outputs);
 reference_pointer reference_batch_norm(extents3 input);
 reference_pointer reference_relu(extents3 input);

@@ -91,23 +91,32 @@ private:
     [[nodiscard]] sample deployed(const reference_call& call, sample x) const;
 };
 
+/// A layer of which a deployed network folds a batch norm after it, and adds a skip in its sums.
+class folding_layer : public reference_layer {
+public:
+    [[nodiscard]] virtual bool folds() const = 0;
+    /// Deployed. `added` may be null.
+    [[nodiscard]] virtual sample deployed(const reference_call& call, const sample& in,
+                                          const std::optional<folded_norm>& behind,
+                                          const sample* added) const = 0;
+};
+
 /// Convolutions, and dense layers as those whose one window is as large as the image.
-class convolution final : public reference_layer {
+class convolution final : public folding_layer {
 public:
     enum class kind { of_windows, dense };
     convolution(const reference_window& window, std::size_t filters, std::size_t groups, bool bias,
                 const reference_tiles& tiles, kind what = kind::of_windows);
 
-    /// Whether a deployed network folds a batch norm after it, and adds a skip in its sums.
-    [[nodiscard]] bool folds() const { return convolutions > 0; }
+    [[nodiscard]] bool folds() const override { return convolutions > 0; }
     [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override;
     [[nodiscard]] bool has_backward() const override { return true; }
     [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
                                                const samples& out_gradient) const override;
     [[nodiscard]] std::vector<float> plain(const reference_call& call, std::vector<float> x) const override;
-    /// Deployed. `added` may be null.
     [[nodiscard]] sample deployed(const reference_call& call, const sample& in,
-                                  const std::optional<folded_norm>& behind, const sample* added) const;
+                                  const std::optional<folded_norm>& behind,
+                                  const sample* added) const override;
     [[nodiscard]] sample deployed(const reference_call& call, std::span<const double> weights,
                                   const sample& biases, const sample& in, const sample* added) const;
 

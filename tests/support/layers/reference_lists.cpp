@@ -83,7 +83,7 @@ public:
         parts_of parts(call);
         for (std::size_t i = 0; i < layers_.size(); ++i) {
             const reference_call own = parts.next(*layers_[i]);
-            const auto* taps = dynamic_cast<const convolution*>(layers_[i].get());
+            const auto* taps = dynamic_cast<const folding_layer*>(layers_[i].get());
             if (taps == nullptr || !taps->folds() || !call.folded) {
                 x = layers_[i]->forward(own, {x}).front();
                 continue;

@@ -3,6 +3,7 @@
 // What steps in 8 bits must give that give a map another size. whole_reference.hpp includes it.
 
 #include <tactnet/deployment/eight_bit/steps.hpp>
+#include <tactnet/deployment/steps/phase_interleaving.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -68,6 +69,24 @@ struct reference_step<tactnet::resampling_step<tactnet::eight_bit, Mode, Input, 
                         static_cast<float>((down.here + down.after) * (along.here + along.after));
                     result.whole[result.at(y, x, c)] = reference_byte(sum, 1 / all, 0, false);
                 }
+        return result;
+    }
+};
+
+/// The phases of a transposed convolution: each pixel holds stride × stride pixels of the output.
+template <class Format, tactnet::shape Map, tactnet::extent2d Stride, tactnet::extent2d Skipped,
+          tactnet::extent2d Output, std::size_t InputStride, class Products>
+struct reference_step<tactnet::phase_interleaving_step<Format, Map, Stride, Skipped, Output, InputStride>,
+                      Products> {
+    static whole_map run(const float*, const whole_map& in, const whole_map&) {
+        const std::size_t filters = Map.channels / Stride.area();
+        whole_map result(tactnet::shape{Output.rows, Output.columns, filters});
+        for (std::size_t i = 0; i < result.whole.size(); ++i) {
+            const std::size_t c = i % filters, x = i / filters % Output.columns + Skipped.columns,
+                              y = i / filters / Output.columns + Skipped.rows;
+            const std::size_t phase = y % Stride.rows * Stride.columns + x % Stride.columns;
+            result.whole[i] = in.whole[in.at(y / Stride.rows, x / Stride.columns, phase * filters + c)];
+        }
         return result;
     }
 };
