@@ -90,6 +90,23 @@ function(tactnet_test room)
     endif()
 endfunction()
 
+# Sets a variable to a Python with numpy and PyTorch, or to nothing.
+function(tactnet_find_torch_python variable)
+    find_package(Python3 QUIET COMPONENTS Interpreter)
+    set(found "")
+    foreach(python IN ITEMS "${Python3_EXECUTABLE}" /usr/bin/python3)
+        if(python AND NOT found)
+            execute_process(
+                COMMAND "${python}" -c "import numpy, torch" RESULT_VARIABLE missing OUTPUT_QUIET ERROR_QUIET
+            )
+            if(missing EQUAL 0)
+                set(found "${python}")
+            endif()
+        endif()
+    endforeach()
+    set(${variable} "${found}" PARENT_SCOPE)
+endfunction()
+
 # Writes the files that a text contains, each after a line `==> path`, into the folder of its name in the build tree.
 function(tactnet_unfold name)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/${name}.txt")

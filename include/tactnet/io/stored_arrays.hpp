@@ -34,7 +34,8 @@ struct stored_arrays {
         const std::string_view bias = list.back().name, weight = weights.name;
         const std::string_view prefix = bias.substr(0, bias.rfind('.') + 1);
         return bias.substr(prefix.size()) == "bias" && weight.starts_with(prefix) &&
-                       weight.substr(prefix.size()) == "weight" && weights.extents.size() > 1
+                       weight.substr(prefix.size()) == "weight" && weights.extents.size() > 1 &&
+                       weights.extents.front() == outputs
                    ? prefix
                    : std::string_view();
     }
