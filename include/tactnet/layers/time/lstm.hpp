@@ -1,0 +1,54 @@
+#pragma once
+
+#include <tactnet/layers/activations/smooth.hpp>
+#include <tactnet/layers/time/recurrent.hpp>
+
+#include <array>
+#include <cstddef>
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// The cell of a long short-term memory (Hochreiter and Schmidhuber, 1997) with forget gates (Gers,
+/// Schmidhuber and Cummins, 2000), as in PyTorch: with the input gate i, the forget gate f, the new content g
+/// and the output gate o,
+///     c = f · c + i · g,  h = o · tanh(c)
+struct lstm_cell {
+    static constexpr const char* name = "lstm";
+    static constexpr std::size_t gates = 4;  ///< i, f, g, o: the order of PyTorch
+    static constexpr std::size_t states = 2; ///< h, c
+    static constexpr std::size_t kept = 5;   ///< i, f, g, o, tanh(c)
+
+    /// Updates the state from the gates' sums over the input and over the hidden state, biases included.
+    template <class Number>
+    static void forward(const std::array<Number, 4>& in, const std::array<Number, 4>& hidden,
+                        std::array<Number, 2>& state, std::array<Number, 5>& kept) {
+        const Number i = sigmoid_function::value(in[0] + hidden[0]);
+        const Number f = sigmoid_function::value(in[1] + hidden[1]);
+        const Number g = hyperbolic_tangent_function::value(in[2] + hidden[2]);
+        const Number o = sigmoid_function::value(in[3] + hidden[3]);
+        state[1] = kernels::fused_multiply_add(f, state[1], Number(i * g));
+        const Number content = hyperbolic_tangent_function::value(state[1]);
+        state[0] = o * content;
+        kept = {i, f, g, o, content};
+    }
+    /// From what `forward` kept and the states before: turns the gradients of the states after into their
+    /// direct parts of the gradients of the states before, and sets the gradients of the gates' sums.
+    template <class Number>
+    static void backward(const std::array<Number, 5>& kept, const std::array<Number, 2>& before,
+                         std::array<Number, 2>& gradient, std::array<Number, 4>& in,
+                         std::array<Number, 4>& hidden) {
+        const auto& [i, f, g, o, content] = kept;
+        const Number of_c = gradient[1] + hyperbolic_tangent_function::backward(content, gradient[0] * o);
+        in = {sigmoid_function::backward(i, of_c * g), sigmoid_function::backward(f, of_c * before[1]),
+              hyperbolic_tangent_function::backward(g, of_c * i),
+              sigmoid_function::backward(o, gradient[0] * content)};
+        hidden = in;
+        gradient = {Number(0), of_c * f};
+    }
+};
+
+/// A layer of long short-term memory, with the parameters of PyTorch's nn.LSTM of one layer.
+template <std::size_t Hidden>
+using lstm = recurrent<lstm_cell, Hidden>;
+
+}} // namespace tactnet
