@@ -2,5 +2,6 @@
 
 #include <tactnet/deployment/deploy.hpp>
 #include <tactnet/deployment/reflection_average.hpp>
+#include <tactnet/deployment/stream.hpp>
 
-// Deployed networks: see deployment/deploy.hpp.
+// Deployed networks: see deployment/deploy.hpp, and deployment/stream.hpp for sequences of frames.

@@ -56,10 +56,25 @@ using net = tactnet::network<tactnet::shape{7, 13, 1}, tactnet::conv2d<8, 3, 0>,
 constexpr auto parameters = net::parameters;
 #endif
 
+#ifdef CASE_causal_conv1d_no_taps
+// expect: sequence: a layer must have at least one output and one tap
+// at-most: 1
+using net = tactnet::network<tactnet::shape{20, 1, 3}, tactnet::causal_conv1d<8, 0>>;
+constexpr auto parameters = net::parameters;
+#endif
+
 #ifdef CASE_dense_no_outputs
 // expect: dense: there must be at least one output
 // at-most: 1
 using net = tactnet::network<tactnet::shape{7, 13, 1}, tactnet::dense<0>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_gru_of_images
+// expect: sequence: the input must be a sequence {frames, 1, features}; one_column shows its columns
+// expect: Columns = 13|'13UL == 1'
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13}, tactnet::gru<8>, tactnet::last_frame, tactnet::dense<3>>;
 constexpr auto parameters = net::parameters;
 #endif
 

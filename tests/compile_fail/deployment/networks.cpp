@@ -25,6 +25,21 @@ using net = tactnet::network<tactnet::shape{28, 50}, tactnet::conv2d<8, 5>,
 const auto made = tactnet::deploy(net{});
 #endif
 
+#ifdef CASE_sequences_as_frames
+// expect: deploy: a network of sequences runs frame by frame, in single precision: use deploy_stream
+// at-most: 1
+using net = tactnet::network<tactnet::shape{20, 1, 3}, tactnet::gru<8>, tactnet::last_frame, tactnet::dense<3>>;
+const auto made = tactnet::deploy(net{});
+#endif
+
+#ifdef CASE_stream_of_all_frames
+// expect: deploy_stream: this layer does not run frame by frame; runs_in_streams shows it and its input
+// expect: dense<3
+// at-most: 1
+using net = tactnet::network<tactnet::shape{20, 1, 3}, tactnet::gru<8>, tactnet::dense<3>>;
+const auto made = tactnet::deploy_stream(net{});
+#endif
+
 #ifdef CASE_unknown_layer
 // expect: deploy: a layer of this kind has no lowering; has_lowering shows it
 // expect: doubling

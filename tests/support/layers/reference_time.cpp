@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <memory>
@@ -20,18 +21,29 @@ struct arithmetic {
     [[nodiscard]] bounded add(const bounded& a, const bounded& b) const {
         return rounded({a.value + b.value, a.error + b.error});
     }
-    [[nodiscard]] bounded subtract(const bounded& a, const bounded& b) const {
-        return add(a, {-b.value, b.error});
-    }
     [[nodiscard]] bounded multiply(const bounded& a, const bounded& b) const {
         return rounded({a.value * b.value, std::abs(a.value) * b.error + magnitude(b) * a.error});
     }
-    /// Within 4 units in the last place.
+    /// Within 4 units in the last place. Its slope grows by less than eᵉ over a distance e.
     [[nodiscard]] bounded sigmoid(const bounded& x) const {
-        return rounded({1 / (1 + std::exp(-x.value)), x.error / 4}, 8);
+        const double y = 1 / (1 + std::exp(-x.value));
+        const double slope = std::min(y * (1 - y) * std::exp(x.error), 0.25);
+        return rounded({y, slope * x.error}, 8);
     }
-    /// Within 2 units in the last place.
-    [[nodiscard]] bounded tanh(const bounded& x) const { return rounded({std::tanh(x.value), x.error}, 4); }
+    /// Within 2 units in the last place. Its slope grows by less than e²ᵉ over a distance e.
+    [[nodiscard]] bounded tanh(const bounded& x) const {
+        const double y = std::tanh(x.value);
+        const double slope = std::min((1 - y) * (1 + y) * std::exp(2 * x.error), 1.0);
+        return rounded({y, slope * x.error}, 4);
+    }
+    /// b + z · (a − b) with 0 ≤ z ≤ 1, in three roundings. The errors of a and b have the shares z and 1 − z.
+    [[nodiscard]] bounded between(const bounded& z, const bounded& a, const bounded& b) const {
+        const double distance = a.value - b.value, errors = a.error + b.error;
+        bounded result{b.value + z.value * distance,
+                       z.value * a.error + (1 - z.value) * b.error + z.error * (std::abs(distance) + errors)};
+        result.error += accumulated(roundoff, 3) * (std::abs(distance) + errors + magnitude(result)) + lost;
+        return result;
+    }
     /// Σ weights · x + bias, a product and a sum for each term.
     [[nodiscard]] bounded sum(std::span<const double> weights, std::span<const bounded> x,
                               double bias) const {
@@ -101,7 +113,7 @@ private:
         const bounded r = with.sigmoid(with.add(in[0], sums[0]));
         const bounded z = with.sigmoid(with.add(in[stride], sums[stride]));
         const bounded n = with.tanh(with.add(in[2 * stride], with.multiply(r, sums[2 * stride])));
-        state = with.add(n, with.multiply(z, with.subtract(state, n)));
+        state = with.between(z, state, n);
     }
 };
 

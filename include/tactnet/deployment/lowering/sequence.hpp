@@ -4,6 +4,7 @@
 #include <tactnet/deployment/steps/chain.hpp>
 #include <tactnet/detail/indexed_leaves.hpp>
 #include <tactnet/layers/composition/sequence.hpp>
+#include <tactnet/layers/time/frames.hpp>
 
 #include <algorithm>
 #include <array>
@@ -98,6 +99,13 @@ private:
     template <std::size_t I>
     using spec = typename decltype(detail::type_at<I>(
         std::declval<detail::indexed_leaves<std::type_identity<Specs>...>>()))::type;
+    static constexpr bool check_frames() {
+        static_assert((!layer_of_sequences<Specs> && ...),
+                      "deploy: a network of sequences runs frame by frame, in single precision: use "
+                      "deploy_stream");
+        return true;
+    }
+    static_assert(check_frames());
     /// The first layer that does something reads the input of the list, the others read maps.
     static constexpr std::size_t first = [] {
         constexpr std::array<bool, layers> nothing{inference_no_op<Specs>...};
@@ -135,7 +143,7 @@ private:
         if constexpr (I >= layers) {
             return detail::lowered_layers<Lowered...>{};
         } else {
-            static_assert(has_lowering<spec<I>>,
+            static_assert(has_lowering<spec<I>> || layer_of_sequences<spec<I>>,
                           "deploy: a layer of this kind has no lowering; has_lowering shows it");
             if constexpr (inference_no_op<spec<I>> || !has_lowering<spec<I>>) {
                 return lower_from<I + 1, InputStride, Lowered...>();

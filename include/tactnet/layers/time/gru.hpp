@@ -14,9 +14,9 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 ///     n = tanh(in + r · hidden),  h = n + z · (h − n)
 struct gru_cell {
     static constexpr const char* name = "gru";
-    static constexpr std::size_t gates = 3;  ///< r, z, n: the order of PyTorch
-    static constexpr std::size_t states = 1; ///< h
-    static constexpr std::size_t kept = 4;   ///< r, z, n, and the sum of n over the hidden state
+    static constexpr std::size_t gates = 3;      ///< r, z, n: the order of PyTorch
+    static constexpr std::size_t states = 1;     ///< h
+    static constexpr std::size_t kept_count = 4; ///< r, z, n, and the sum of n over the hidden state
 
     /// Updates the state from the gates' sums over the input and over the hidden state, biases included.
     template <class Number>

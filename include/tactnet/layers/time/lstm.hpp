@@ -14,9 +14,9 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 ///     c = f · c + i · g,  h = o · tanh(c)
 struct lstm_cell {
     static constexpr const char* name = "lstm";
-    static constexpr std::size_t gates = 4;  ///< i, f, g, o: the order of PyTorch
-    static constexpr std::size_t states = 2; ///< h, c
-    static constexpr std::size_t kept = 5;   ///< i, f, g, o, tanh(c)
+    static constexpr std::size_t gates = 4;      ///< i, f, g, o: the order of PyTorch
+    static constexpr std::size_t states = 2;     ///< h, c
+    static constexpr std::size_t kept_count = 5; ///< i, f, g, o, tanh(c)
 
     /// Updates the state from the gates' sums over the input and over the hidden state, biases included.
     template <class Number>

@@ -14,7 +14,7 @@
 #include <vector>
 
 // The layer of a recurrent cell. A cell is a struct with
-//   name, gates, states, kept      constants: the numbers of each hidden unit
+//   name, gates, states, kept_count   constants: the numbers of each hidden unit
 //   forward(in, hidden, state, kept)
 //   backward(kept, before, gradient, in, hidden)
 // as in gru.hpp. `in` and `hidden` are the gates' sums over the input and over the hidden state, each with
@@ -62,7 +62,7 @@ template <class Cell, class T>
 void update_cells(std::size_t count, const T* in, const T* hidden, T* state, T* kept) {
     for (std::size_t i = 0; i < count; i += cell_lanes<T>) {
         auto s = load_cell<Cell::states>(state + i, count);
-        std::array<cell_number<T>, Cell::kept> k;
+        std::array<cell_number<T>, Cell::kept_count> k;
         Cell::forward(load_cell<Cell::gates>(in + i, count), load_cell<Cell::gates>(hidden + i, count), s, k);
         store_cell(s, state + i, count);
         if (kept)
@@ -183,7 +183,7 @@ struct recurrent {
     private:
         static constexpr std::size_t lanes = kernels::lanes<T>, units = Hidden * lanes;
         static constexpr std::size_t input_size = features * lanes, gate_size = Cell::gates * units,
-                                     state_size = Cell::states * units, kept_size = Cell::kept * units;
+                                     state_size = Cell::states * units, kept_size = Cell::kept_count * units;
 
         /// Updates the state of a lane block by one frame.
         static void take_step(const T* values, const T* x, T* sums, T* state, T* kept) {
@@ -218,7 +218,7 @@ struct recurrent {
                 for (std::size_t i = 0; i < units; i += detail::cell_lanes<T>) {
                     auto state = detail::load_cell<Cell::states>(gradient + i, units);
                     std::array<detail::cell_number<T>, Cell::gates> input_gates, hidden_gates;
-                    Cell::backward(detail::load_cell<Cell::kept>(kept + i, units),
+                    Cell::backward(detail::load_cell<Cell::kept_count>(kept + i, units),
                                    detail::load_cell<Cell::states>(before + i, units), state, input_gates,
                                    hidden_gates);
                     detail::store_cell(state, gradient + i, units);
