@@ -16,6 +16,8 @@
 #include <tactnet/layers/dropout.hpp>
 #include <tactnet/layers/layer.hpp>
 #include <tactnet/layers/normalisation/batch_norm.hpp>
+#include <tactnet/layers/normalisation/group_norm.hpp>
+#include <tactnet/layers/normalisation/layer_norm.hpp>
 #include <tactnet/layers/normalisation/local_response_norm.hpp>
 #include <tactnet/layers/pooling/adaptive_max_pool.hpp>
 #include <tactnet/layers/pooling/average_pool.hpp>

@@ -133,6 +133,10 @@ reference_pointer reference_transposed_convolution(const reference_enlargement& 
                                                    const reference_tiles& tiles = {});
 reference_pointer reference_dense(extents3 input, std::size_t outputs);
 reference_pointer reference_batch_norm(extents3 input);
+/// Normalises the channels of each of some groups of each sample.
+reference_pointer reference_group_norm(extents3 input, std::size_t groups);
+/// Normalises each sample as a whole, with a weight for each element, or the channels of each of its pixels.
+reference_pointer reference_layer_norm(extents3 input, bool over_channels);
 reference_pointer reference_relu(extents3 input);
 reference_pointer reference_max_pool(const reference_window& window);
 /// The mean of each window over its pixels, or over its pixels and the padding as it was `given` at the

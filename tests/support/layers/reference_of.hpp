@@ -55,6 +55,20 @@ template <>
 struct reference_of<tactnet::batch_norm> {
     static reference_pointer on(extents3 in) { return reference_batch_norm(in); }
 };
+template <std::size_t Groups>
+struct reference_of<tactnet::group_norm<Groups>> {
+    static reference_pointer on(extents3 in) { return reference_group_norm(in, Groups); }
+};
+template <>
+struct reference_of<tactnet::instance_norm> {
+    static reference_pointer on(extents3 in) { return reference_group_norm(in, in.channels); }
+};
+template <tactnet::norm_over Over>
+struct reference_of<tactnet::layer_norm<Over>> {
+    static reference_pointer on(extents3 in) {
+        return reference_layer_norm(in, Over == tactnet::norm_over::channels);
+    }
+};
 template <>
 struct reference_of<tactnet::relu> {
     static reference_pointer on(extents3 in) { return reference_relu(in); }

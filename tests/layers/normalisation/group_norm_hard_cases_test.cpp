@@ -1,0 +1,120 @@
+// Group, instance and layer norms of frames that break a norm computed in single precision from two moments.
+
+#include <tactnet/layers.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <support/layers/erased.hpp>
+#include <support/tolerance.hpp>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+constexpr shape image{3, 4, 4};
+constexpr float scale = 1.5F, shift = -0.25F;
+
+/// The outputs of a norm for one sample, with one scale and one shift for all channels.
+template <class Norm>
+std::vector<float> outputs_of(const std::vector<float>& frame, double epsilon = 1e-5) {
+    const auto layer = support::make_layer<Norm, float, image>();
+    aligned_vector<float> values(layer->parameters, scale);
+    std::fill(values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end(), shift);
+    batch<float, image, kernels::lanes<float>> in(1), out(1);
+    for (std::size_t e = 0; e < image.size(); ++e)
+        in(0, e) = frame[e];
+    thread_pool threads(1);
+    layer->resize(1);
+    layer->infer({.threads = threads, .epsilon = epsilon}, values.data(), nullptr, 1, in.view().data(),
+                 out.view().data());
+    std::vector<float> found(image.size());
+    for (std::size_t e = 0; e < image.size(); ++e)
+        found[e] = out(0, e);
+    return found;
+}
+
+/// How many outputs of a layer norm of the frame are further from the exact ones than one rounding, and what
+/// double precision leaves: 2⁻⁴⁰, thousands of its roundings, of the largest term.
+std::size_t outputs_outside(const std::vector<float>& frame, double epsilon = 1e-5) {
+    using wide = long double;
+    const auto count = static_cast<wide>(frame.size());
+    wide mean = 0, variance = 0;
+    for (const float x : frame)
+        mean += static_cast<wide>(x) / count;
+    for (const float x : frame)
+        variance += (static_cast<wide>(x) - mean) * (static_cast<wide>(x) - mean) / count;
+    const std::vector<float> found = outputs_of<layer_norm<norm_over::frame>>(frame, epsilon);
+    std::size_t outside = 0;
+    for (std::size_t e = 0; e < frame.size(); ++e) {
+        const wide term = (static_cast<wide>(frame[e]) - mean) /
+                          std::sqrt(variance + static_cast<wide>(epsilon)) * static_cast<wide>(scale);
+        const auto exact = static_cast<double>(term + static_cast<wide>(shift));
+        const double bound = support::unit_roundoff<float> * std::abs(exact) +
+                             0x1p-40 * (std::abs(static_cast<double>(term)) + std::abs(exact));
+        outside += !(std::abs(static_cast<double>(found[e]) - exact) <= bound);
+    }
+    return outside;
+}
+
+/// Values of both signs around a middle, all different.
+std::vector<float> frame_of(float middle, float range) {
+    std::vector<float> frame;
+    for (std::size_t e = 0; e < image.size(); ++e)
+        frame.push_back(middle + range * (static_cast<float>(e * 29 % 48) / 24 - 1));
+    return frame;
+}
+
+} // namespace
+
+TEST_CASE_TEMPLATE("norms of samples: a frame without deviation becomes the shift, wherever it lies", Norm,
+                   group_norm<2>, instance_norm, layer_norm<norm_over::frame>,
+                   layer_norm<norm_over::channels>) {
+    for (const float level : {0.0F, 1.0F / 3, -255.0F, 123.456F, 1e-40F, 1e30F,
+                              std::numeric_limits<float>::max()}) {
+        CAPTURE(level);
+        for (const float y : outputs_of<Norm>(std::vector<float>(image.size(), level)))
+            CHECK(y == shift);
+    }
+}
+
+TEST_CASE("norms of samples: large offsets cost no more than a rounding") {
+    CHECK(outputs_outside(frame_of(0, 1)) == 0);
+    CHECK(outputs_outside(frame_of(2e4F, 0.125F), 1e-12) == 0);
+    CHECK(outputs_outside(frame_of(1e6F, 2)) == 0);
+    CHECK(outputs_outside(frame_of(-1e30F, 1e25F)) == 0);
+}
+
+TEST_CASE("norms of samples: huge and tiny values cost no more than a rounding") {
+    CHECK(outputs_outside(frame_of(0, 1e20F)) == 0);
+    CHECK(outputs_outside(frame_of(0, std::numeric_limits<float>::max())) == 0);
+    CHECK(outputs_outside(frame_of(0, 1e-20F), 1e-12) == 0);
+    CHECK(outputs_outside(frame_of(0, 1e-20F), 1e-42) == 0);
+    CHECK(outputs_outside(frame_of(0, 1e-40F), 1e-80) == 0);
+    // One value alone far away.
+    std::vector<float> frame = frame_of(0, 1e-3F);
+    frame[7] = 3e38F;
+    CHECK(outputs_outside(frame) == 0);
+}
+
+TEST_CASE_TEMPLATE("norms of samples: a NaN is seen in its sample and in no other", Norm, group_norm<2>,
+                   layer_norm<norm_over::frame>, layer_norm<norm_over::channels>) {
+    const auto layer = support::make_layer<Norm, float, image>();
+    const aligned_vector<float> values(layer->parameters, 1.0F);
+    batch<float, image, kernels::lanes<float>> in(3), out(3);
+    for (std::size_t s = 0; s < 3; ++s)
+        for (std::size_t e = 0; e < image.size(); ++e)
+            in(s, e) = static_cast<float>(e * e % 17);
+    in(1, 5) = std::nanf("");
+    thread_pool threads(1);
+    layer->resize(3);
+    layer->infer({.threads = threads}, values.data(), nullptr, 3, in.view().data(), out.view().data());
+    CHECK(std::isnan(out(1, 5)));
+    for (std::size_t e = 0; e < image.size(); ++e)
+        for (const std::size_t s : {std::size_t{0}, std::size_t{2}})
+            CHECK(!std::isnan(out(s, e)));
+}
