@@ -85,6 +85,21 @@ using net = tactnet::network<tactnet::shape{7, 13, 1}, tactnet::dropout<100>, ta
 constexpr auto parameters = net::parameters;
 #endif
 
+#ifdef CASE_group_norm_groups_do_not_divide
+// expect: group_norm: groups must divide the channels of the input; groups_divide_channels shows groups and channels
+// expect: Channels = 6; Groups = 4|Groups = 4|groups_divide_channels<4UL, 6UL>
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 6}, tactnet::group_norm<4>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_group_norm_no_groups
+// expect: group_norm: groups must divide the channels of the input; groups_divide_channels shows groups and channels
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 6}, tactnet::group_norm<0>>;
+constexpr auto parameters = net::parameters;
+#endif
+
 #ifdef CASE_incomplete_layer
 // expect: sequence: expected a layer; the concept layer shows what is missing
 // expect: backward
@@ -105,6 +120,20 @@ using net = tactnet::network<tactnet::shape{28, 50}, tactnet::conv2d<8, 5>, forw
 void prepare(const net& network, tactnet::thread_pool& threads, net::workspace& space) {
     network.prepare(threads, space);
 }
+#endif
+
+#ifdef CASE_instance_norm_of_single_values
+// expect: group_norm, instance_norm, layer_norm: a single value has no variance: there must be two or more to normalise together
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13}, tactnet::dense<4>, tactnet::instance_norm>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_layer_norm_of_one_channel
+// expect: group_norm, instance_norm, layer_norm: a single value has no variance: there must be two or more to normalise together
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13}, tactnet::layer_norm<tactnet::norm_over::channels>>;
+constexpr auto parameters = net::parameters;
 #endif
 
 #ifdef CASE_max_pool_padding_too_large

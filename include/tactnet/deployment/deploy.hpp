@@ -6,6 +6,7 @@
 #include <tactnet/deployment/lowering/convolution.hpp>
 #include <tactnet/deployment/lowering/layers.hpp>
 #include <tactnet/deployment/lowering/resizing.hpp>
+#include <tactnet/deployment/lowering/sample_norm.hpp>
 #include <tactnet/deployment/lowering/transposed_convolution.hpp>
 #include <tactnet/networks/model.hpp>
 #include <tactnet/networks/recognition.hpp>

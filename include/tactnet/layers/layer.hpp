@@ -44,7 +44,7 @@ template <class T>
 /// The settings of a call, which a network passes to its layers with each batch.
 struct execution_context {
     thread_pool& threads;
-    double epsilon = 1e-5;            ///< added to the variance by batch norms
+    double epsilon = 1e-5;            ///< added to the variance by norms
     double momentum = 0.1;            ///< share of a batch in the running statistics of batch norms
     std::uint64_t seed = 0;           ///< for dropout
     std::uint32_t step = 0;           ///< batches so far, for dropout

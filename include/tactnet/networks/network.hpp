@@ -124,7 +124,7 @@ public:
         });
     }
 
-    /// Added to the variance by batch norms.
+    /// Added to the variance by norms.
     double epsilon = 1e-5;
     /// Share of each training batch in the running statistics of batch norms.
     double momentum = 0.1;

@@ -10,6 +10,14 @@ using net = tactnet::network<tactnet::shape{8, 8}, tactnet::average_pool<2>, tac
 constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight_bytes;
 #endif
 
+#ifdef CASE_group_norm_within
+// expect: deploy: in 8 bits there is no group, instance or layer norm
+// at-most: 2
+using net =
+    tactnet::network<tactnet::shape{8, 8}, tactnet::conv2d<4, 3>, tactnet::group_norm<2>, tactnet::dense<2>>;
+constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight_bytes;
+#endif
+
 #ifdef CASE_pool_first
 // expect: in 8 bits a network cannot begin with a pool, an upsampling or an activation: a convolution, a dense layer or a batch norm
 // at-most: 2

@@ -74,8 +74,8 @@ std::vector<float> frame_of(float middle, float range) {
 TEST_CASE_TEMPLATE("norms of samples: a frame without deviation becomes the shift, wherever it lies", Norm,
                    group_norm<2>, instance_norm, layer_norm<norm_over::frame>,
                    layer_norm<norm_over::channels>) {
-    for (const float level : {0.0F, 1.0F / 3, -255.0F, 123.456F, 1e-40F, 1e30F,
-                              std::numeric_limits<float>::max()}) {
+    for (const float level :
+         {0.0F, 1.0F / 3, -255.0F, 123.456F, 1e-40F, 1e30F, std::numeric_limits<float>::max()}) {
         CAPTURE(level);
         for (const float y : outputs_of<Norm>(std::vector<float>(image.size(), level)))
             CHECK(y == shift);

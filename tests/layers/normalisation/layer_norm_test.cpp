@@ -19,9 +19,9 @@ TEST_CASE("layer_norm: a mean of ten thousand, a deviation of a hundredth") {
     check_layer<layer_norm<norm_over::channels>, shape{2, 2, 6}>({.low = 1e4 - 2e-2, .high = 1e4 + 2e-2});
 }
 TEST_CASE("layer_norm: within lists") {
-    check_layer<sequence<conv2d<4, 3>, layer_norm<norm_over::channels>, relu,
-                         layer_norm<norm_over::frame>, dense<3>>,
-                shape{4, 3, 2}>();
+    check_layer<
+        sequence<conv2d<4, 3>, layer_norm<norm_over::channels>, relu, layer_norm<norm_over::frame>, dense<3>>,
+        shape{4, 3, 2}>();
 }
 
 TEST_CASE("layer_norm: arrays have PyTorch's extents") {

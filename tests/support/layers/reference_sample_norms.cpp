@@ -44,9 +44,7 @@ public:
             for (const places& group : groups_) {
                 const moments m = moments_of(call, group, in[s]);
                 const double count = static_cast<double>(group.size());
-                const auto normalised = [&](std::size_t e) {
-                    return (in[s][e].value - m.mean) * m.inverse;
-                };
+                const auto normalised = [&](std::size_t e) { return (in[s][e].value - m.mean) * m.inverse; };
                 double level = 0, slope = 0, level_size = 0, slope_size = 0;
                 for (const std::size_t e : group) {
                     const double dy = out_gradient[s][e].value, x = normalised(e),
@@ -80,10 +78,10 @@ private:
     /// And what the inputs are wrong by, on average: as errors, and as deviations as if all were alike.
     struct moments {
         double mean, variance, inverse;
-        double size;                       ///< the mean distance from the mean
-        double wrong, variance_wrong;      ///< errors
-        double off = 0, variance_off = 0;  ///< deviations
-        double largest_inverse;            ///< with all errors
+        double size;                      ///< the mean distance from the mean
+        double wrong, variance_wrong;     ///< errors
+        double off = 0, variance_off = 0; ///< deviations
+        double largest_inverse;           ///< with all errors
     };
     [[nodiscard]] moments moments_of(const reference_call& call, const places& group, const sample& x) const {
         const double count = static_cast<double>(group.size());
@@ -129,31 +127,35 @@ private:
     /// from the first value is, and is rounded.
     void deployed(const reference_call& call, const places& group, const sample& x, sample& out) const {
         moments m = moments_of(call, group, x);
-        double farthest = 0;
-        for (const std::size_t e : group)
-            farthest = std::max(farthest, std::abs(x[e].value - x[group[0]].value) + x[e].error);
-        const double u = call.roundoff, terms = accumulated(u, run_ + 4);
-        const double rough = terms * farthest + 2 * u * std::abs(m.mean) + m.wrong;
-        const double size = m.size + m.wrong + rough; // of the distances from the rough mean
-        const double squares = m.variance + m.variance_wrong + square(rough);
+        double farthest = 0, farthest_wrong = 0;
+        for (const std::size_t e : group) {
+            farthest = std::max(farthest, std::abs(x[e].value - x[group[0]].value));
+            farthest_wrong = std::max(farthest_wrong, 2 * x[e].error);
+        }
+        const double u = call.roundoff, terms = accumulated(u, run_ + 4), drifts = std::sqrt(run_ + 4) * u;
+        const double rough = terms * (farthest + farthest_wrong) + 2 * u * std::abs(m.mean) + m.wrong,
+                     rough_off = drifts * farthest + 2 * u * std::abs(m.mean) + m.off;
+        // Of the distances from the rough mean, and of their squares.
+        const double size = m.size + m.wrong + rough, squares = m.variance + m.variance_wrong + square(rough);
+        m.variance_off += drifts * (m.variance + square(rough_off) + 2 * rough_off * (m.size + rough_off));
+        m.off += drifts * (m.size + rough_off);
         m.wrong += terms * size;
         m.variance_wrong += terms * squares + 2 * rough * terms * size;
-        m.off += std::sqrt(run_ + 4) * u * size;
-        m.variance_off += std::sqrt(run_ + 4) * u * (squares + 2 * rough * size);
         const double of_inverse = inverse_error(call, m, m.variance_wrong) + 4 * u * m.inverse,
                      inverse_off = m.variance_off / (m.variance + call.epsilon) / 2 * m.inverse;
         for (const std::size_t e : group) {
             const double d = x[e].value - m.mean, weight = std::abs(call.values[weight_of_[e]]),
                          bias = call.values[weights_ + weight_of_[e]], moved = x[e].error + m.wrong;
             const double inverse = m.inverse + of_inverse;
-            // A distance, its product with the inverse, what the rough mean is off, weight and bias: few
-            // roundings each, of terms no larger than these.
-            const double most = weight * (std::abs(d) + moved + 2 * rough) * inverse + std::abs(bias);
+            // A distance, its product with the inverse, what the rough mean is off, weight and bias: six
+            // roundings, of terms no larger than these.
+            const double most = weight * (std::abs(d) + moved + 2 * rough) * inverse + std::abs(bias),
+                         likely = weight * (std::abs(d) + 2 * rough_off) * m.inverse + std::abs(bias);
             out[e] = {d * m.inverse * call.values[weight_of_[e]] + bias,
                       weight * (moved * inverse + std::abs(d) * of_inverse) + accumulated(u, 6) * most +
                           3 * lost,
                       std::sqrt(square(weight * m.inverse) * (square(x[e].deviation) + square(m.off)) +
-                                square(weight * d * inverse_off) + drift(call, 6, most)) +
+                                square(weight * d * inverse_off) + drift(call, 6, likely)) +
                           3 * lost};
         }
     }

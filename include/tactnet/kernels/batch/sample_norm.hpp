@@ -90,9 +90,9 @@ template <class T>
     });
     rest = rest / count;
     const vector<double> variance = squares / count - rest * rest;
-    return {center + rest, vector<double>(1.0) / square_root<double>(
-                                                     choose<double>(variance < zero, zero, variance) +
-                                                     vector<double>(epsilon))};
+    return {center + rest,
+            vector<double>(1.0) / square_root<double>(choose<double>(variance < zero, zero, variance) +
+                                                      vector<double>(epsilon))};
 }
 
 /// out = (in − mean) ÷ deviation × weight + bias, for the elements of a group.
@@ -141,8 +141,8 @@ void normalise_group_backward(const norm_groups& groups, const group_moments& mo
         const vector<double> weight(static_cast<double>(weights[c]));
         groups.for_each_pixel(c, [&](std::size_t e) {
             const vector<double> dy = load_double(out_gradient + e * lanes<T>);
-            store_double(in_gradient + e * lanes<T>, (weight * dy - level - normalised(e) * slope) *
-                                                         moments.inverse_deviation);
+            store_double(in_gradient + e * lanes<T>,
+                         (weight * dy - level - normalised(e) * slope) * moments.inverse_deviation);
         });
     }
 }

@@ -39,10 +39,8 @@ struct group_norm {
         return {.output = input, .parameters = 2 * input.channels};
     }
     template <class T, shape Input>
-    static constexpr kernels::norm_groups groups =
-        detail::channel_groups<Groups, Input.channels, Input.area()>();
-    template <class T, shape Input>
-    using layer = detail::sample_norm_layer<group_norm, T, Input>;
+    using layer = detail::sample_norm_layer<group_norm, T, Input,
+                                            detail::channel_groups<Groups, Input.channels, Input.area()>()>;
 };
 
 /// Instance normalisation (Ulyanov, Vedaldi, Lempitsky, "Instance normalization", 2016): a group norm with
@@ -55,10 +53,9 @@ struct instance_norm {
         return {.output = input, .parameters = 2 * input.channels};
     }
     template <class T, shape Input>
-    static constexpr kernels::norm_groups groups =
-        detail::channel_groups<Input.channels, Input.channels, Input.area()>();
-    template <class T, shape Input>
-    using layer = detail::sample_norm_layer<instance_norm, T, Input>;
+    using layer =
+        detail::sample_norm_layer<instance_norm, T, Input,
+                                  detail::channel_groups<Input.channels, Input.channels, Input.area()>()>;
 };
 
 }} // namespace tactnet

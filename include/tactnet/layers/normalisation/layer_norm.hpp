@@ -10,11 +10,26 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// What a layer norm normalises together: all channels and pixels of a frame, or the channels of each pixel.
 enum class norm_over { frame, channels };
 
+namespace detail {
+
+/// A frame with a weight for each element is one group of channels of a pixel each.
+template <norm_over Over, std::size_t Channels, std::size_t Area>
+[[nodiscard]] constexpr kernels::norm_groups layer_norm_groups() {
+    if constexpr (Over == norm_over::frame)
+        return groups_with_variance<Channels * Area>(
+            kernels::norm_groups::of_channels(1, Channels * Area, 1));
+    else
+        return groups_with_variance<Channels>(kernels::norm_groups::of_pixels(Channels, Area));
+}
+
+} // namespace detail
+
 /// Layer normalisation (Ba, Kiros, Hinton, "Layer normalization", 2016): brings the elements of each sample
 /// to mean 0 and variance 1, then to a learned scale and shift.
 ///  - `norm_over::frame`: all elements together, with a scale and a shift for each element [channel][row]
 ///    [column]: PyTorch's LayerNorm((C, H, W)).
-///  - `norm_over::channels`: the channels of each pixel, with a scale and a shift for each channel: ConvNeXt's
+///  - `norm_over::channels`: the channels of each pixel, with a scale and a shift for each channel:
+///  ConvNeXt's
 ///    norm (Liu et al., 2022), PyTorch's LayerNorm(C) of maps with the channels last.
 /// The network sets epsilon (execution_context::epsilon): PyTorch's default is 1e-5, ConvNeXt has 1e-6.
 template <norm_over Over>
@@ -25,14 +40,9 @@ struct layer_norm {
     static constexpr layer_costs costs(const shape& input) {
         return {.output = input, .parameters = 2 * (weight_per_element ? input.size() : input.channels)};
     }
-    /// With a weight for each element, a frame is one group of channels of a pixel each.
     template <class T, shape Input>
-    static constexpr kernels::norm_groups groups =
-        detail::groups_with_variance<weight_per_element ? Input.size() : Input.channels>(
-            weight_per_element ? kernels::norm_groups::of_channels(1, Input.size(), 1)
-                               : kernels::norm_groups::of_pixels(Input.channels, Input.area()));
-    template <class T, shape Input>
-    using layer = detail::sample_norm_layer<layer_norm, T, Input>;
+    using layer = detail::sample_norm_layer<layer_norm, T, Input,
+                                            detail::layer_norm_groups<Over, Input.channels, Input.area()>()>;
 };
 
 }} // namespace tactnet

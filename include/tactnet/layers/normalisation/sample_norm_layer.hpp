@@ -23,12 +23,11 @@ template <std::size_t Values>
     return groups;
 }
 
-/// The layer of a norm with moments for each sample, the same in training and in inference. `Spec::groups<T,
-/// Input>` says which elements are normalised together. Weights are per channel, or per element
-/// [channel][row][column].
-template <class Spec, class T, shape Input>
+/// The layer of a norm with moments for each sample, the same in training and in inference. Weights are per
+/// channel, or per element [channel][row][column].
+template <class Spec, class T, shape Input, kernels::norm_groups Groups>
 struct sample_norm_layer : layer_base<T, Input, Spec> {
-    static constexpr kernels::norm_groups groups = Spec::template groups<T, Input>;
+    static constexpr kernels::norm_groups groups = Groups;
     static constexpr std::size_t weights = layer_base<T, Input, Spec>::parameters / 2;
     static constexpr bool by_parts = true;
 
@@ -74,8 +73,8 @@ struct sample_norm_layer : layer_base<T, Input, Spec> {
             const std::size_t block = context.first_lane_block + at.lane_block;
             kernels::normalise_group_backward(
                 groups,
-                kernels::group_moments::read<kernels::lanes<T>>(
-                    m.moments.data() + block * moments_of_block + at.moments),
+                kernels::group_moments::read<kernels::lanes<T>>(m.moments.data() + block * moments_of_block +
+                                                                at.moments),
                 values + at.weight, in.lane_block(at.lane_block) + at.element,
                 out_gradient.lane_block(at.lane_block) + at.element,
                 in_gradient.data() == nullptr ? nullptr : in_gradient.lane_block(at.lane_block) + at.element,

@@ -1,0 +1,183 @@
+#pragma once
+
+#include <tactnet/kernels/frame/pooling.hpp>
+#include <tactnet/kernels/simd/sized_vector.hpp>
+#include <tactnet/tensor/shape.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+// Group, instance and layer norms of one frame that lies pixel by pixel. In single precision, so that small
+// processors need no double for each element: from a rough mean of a group, in a second pass the distances
+// from it and their squares, in a third the norm. Runs of distances are added plainly, and the runs with
+// their rounding errors kept, so that the error does not grow with the frame.
+
+namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
+
+/// A map and its norm. In weights and biases, lanes after the last channel hold zeros.
+struct frame_norm {
+    std::size_t pixels, channels, stride; ///< `stride` elements from one pixel to the next
+    std::size_t groups = 1;               ///< of channels, each normalised over all pixels
+    bool weight_per_element = false;      ///< [pixel][stride], otherwise [stride]
+    bool rectified = false;               ///< with a ReLU after it
+};
+
+/// A sum, and the rounding errors of its additions (Knuth's TwoSum).
+template <class Vector>
+struct exact_sum {
+    Vector sum = Vector(0.0F), rest = Vector(0.0F);
+
+    [[gnu::always_inline]] void add(const Vector& x) {
+        const Vector total = sum + x, added = total - sum;
+        rest = rest + ((sum - (total - added)) + (x - added));
+        sum = total;
+    }
+    [[gnu::always_inline]] void store(float* to, float* to_rest) const {
+        pixel_access<Vector>::store(to, sum);
+        pixel_access<Vector>::store(to_rest, rest);
+    }
+};
+
+/// What a group norm keeps of each channel while it runs, in arrays of `room` elements. `scale` and `shift`
+/// bring x − center to the norm, before weight and bias.
+struct group_norm_memory {
+    static constexpr std::size_t arrays = 7;
+    float *center, *scale, *shift, *sums, *sums_rest, *squares, *squares_rest;
+
+    group_norm_memory(float* memory, std::size_t room)
+        : center(memory),
+          scale(center + room),
+          shift(scale + room),
+          sums(shift + room),
+          sums_rest(sums + room),
+          squares(sums_rest + room),
+          squares_rest(squares + room) {}
+};
+
+/// Sets the sums of x − center over all pixels, and of the squares, for each lane of a pixel.
+template <class Vector>
+void sum_deviations(const frame_norm& norm, const float* in, const group_norm_memory& memory) {
+    constexpr std::size_t width = sizeof(Vector) / sizeof(float), plain_terms = 16;
+    using access = pixel_access<Vector>;
+    for (std::size_t v = 0; v < norm.stride; v += width) {
+        const Vector center = access::load(memory.center + v);
+        exact_sum<Vector> sums, squares;
+        for (std::size_t first = 0; first < norm.pixels; first += plain_terms) {
+            const std::size_t end = std::min(first + plain_terms, norm.pixels);
+            Vector run(0.0F), run_squares(0.0F);
+            for (std::size_t p = first; p < end; ++p) {
+                const Vector d = access::load(in + p * norm.stride + v) - center;
+                run = run + d;
+                run_squares = fused_multiply_add(d, d, run_squares);
+            }
+            sums.add(run), squares.add(run_squares);
+        }
+        sums.store(memory.sums + v, memory.sums_rest + v);
+        squares.store(memory.squares + v, memory.squares_rest + v);
+    }
+}
+
+/// max(y, 0) if the norm is rectified; NaN stays NaN.
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector rectified(const frame_norm& norm, const Vector& y) {
+    return norm.rectified ? pixel_access<Vector>::larger(Vector(0.0F), y) : y;
+}
+
+/// Group, instance and layer norm: each group of channels over all pixels. `Vector` divides the stride.
+template <class Vector>
+void normalise_channel_groups(const frame_norm& norm, const float* weights, const float* biases,
+                              float epsilon, const float* in, float* out, const group_norm_memory& memory) {
+    constexpr std::size_t width = sizeof(Vector) / sizeof(float);
+    using access = pixel_access<Vector>;
+    const std::size_t of_group = norm.channels / norm.groups;
+    const double count = static_cast<double>(of_group * norm.pixels);
+    const auto mean_of = [&](const float* sums, const float* rests, std::size_t first) {
+        double sum = 0;
+        for (std::size_t c = first; c < first + of_group; ++c)
+            sum += static_cast<double>(sums[c]) + static_cast<double>(rests[c]);
+        return sum / count;
+    };
+    // A rough mean, from the first value of each group.
+    std::fill_n(memory.center, norm.stride, 0.0F);
+    for (std::size_t c = 0; c < norm.channels; ++c)
+        memory.center[c] = in[c / of_group * of_group];
+    sum_deviations<Vector>(norm, in, memory);
+    for (std::size_t first = 0; first < norm.channels; first += of_group)
+        std::fill_n(memory.center + first, of_group,
+                    static_cast<float>(static_cast<double>(memory.center[first]) +
+                                       mean_of(memory.sums, memory.sums_rest, first)));
+    sum_deviations<Vector>(norm, in, memory);
+    std::fill_n(memory.scale, norm.stride, 0.0F);
+    std::fill_n(memory.shift, norm.stride, 0.0F);
+    for (std::size_t first = 0; first < norm.channels; first += of_group) {
+        const double rest = mean_of(memory.sums, memory.sums_rest, first),
+                     squares = mean_of(memory.squares, memory.squares_rest, first),
+                     inverse =
+                         1 / std::sqrt(std::max(squares - rest * rest, 0.0) + static_cast<double>(epsilon));
+        std::fill_n(memory.scale + first, of_group, static_cast<float>(inverse));
+        std::fill_n(memory.shift + first, of_group, static_cast<float>(-rest * inverse));
+    }
+    for (std::size_t v = 0; v < norm.stride; v += width) {
+        const Vector center = access::load(memory.center + v), scale = access::load(memory.scale + v),
+                     shift = access::load(memory.shift + v);
+        for (std::size_t e = v; e < norm.pixels * norm.stride; e += norm.stride) {
+            const std::size_t w = norm.weight_per_element ? e : v;
+            const Vector normalised = fused_multiply_add(access::load(in + e) - center, scale, shift);
+            const Vector weight = access::load(weights + w), bias = access::load(biases + w);
+            access::store(out + e, rectified(norm, fused_multiply_add(normalised, weight, bias)));
+        }
+    }
+}
+
+/// The sum of the lanes, half by half.
+template <class Vector>
+[[nodiscard]] float sum_of_lanes(const Vector& values) {
+    constexpr std::size_t width = sizeof(Vector) / sizeof(float);
+    alignas(vector_alignment) std::array<float, width> flat;
+    pixel_access<Vector>::store(flat.data(), values);
+    for (std::size_t half = width / 2; half > 0; half /= 2)
+        for (std::size_t lane = 0; lane < half; ++lane)
+            flat[lane] += flat[lane + half];
+    return flat[0];
+}
+
+/// Layer norm over the channels of each pixel. `Vector` divides the stride.
+template <class Vector>
+void normalise_each_pixel(const frame_norm& norm, const float* weights, const float* biases, float epsilon,
+                          const float* in, float* out) {
+    constexpr std::size_t width = sizeof(Vector) / sizeof(float);
+    using access = pixel_access<Vector>;
+    alignas(vector_alignment) std::array<float, width> in_use{};
+    std::fill_n(in_use.begin(), (norm.channels - 1) % width + 1, 1.0F);
+    const Vector last = access::load(in_use.data());
+    const float share = 1 / static_cast<float>(norm.channels);
+    for (std::size_t p = 0; p < norm.pixels; ++p, in += norm.stride, out += norm.stride) {
+        // body(x − center) for vectors of channels, with zeros after the last.
+        const auto for_each_deviation = [&](const Vector& center, const auto& body) {
+            for (std::size_t v = 0; v < norm.channels; v += width) {
+                const Vector d = access::load(in + v) - center;
+                body(v + width > norm.channels ? d * last : d);
+            }
+        };
+        Vector sum(0.0F), rest(0.0F), squares(0.0F);
+        for_each_deviation(Vector(in[0]), [&](const Vector& d) { sum = sum + d; });
+        const Vector center(in[0] + sum_of_lanes(sum) * share);
+        for_each_deviation(center, [&](const Vector& d) {
+            rest = rest + d;
+            squares = fused_multiply_add(d, d, squares);
+        });
+        const float mean = sum_of_lanes(rest) * share,
+                    variance = std::max(sum_of_lanes(squares) * share - mean * mean, 0.0F),
+                    inverse = 1 / std::sqrt(variance + epsilon);
+        const Vector scale(inverse), shift(-mean * inverse);
+        for (std::size_t v = 0; v < norm.stride; v += width) {
+            const Vector normalised = fused_multiply_add(access::load(in + v) - center, scale, shift);
+            const Vector weight = access::load(weights + v), bias = access::load(biases + v);
+            access::store(out + v, rectified(norm, fused_multiply_add(normalised, weight, bias)));
+        }
+    }
+}
+
+}}} // namespace tactnet::kernels

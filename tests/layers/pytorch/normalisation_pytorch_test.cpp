@@ -1,0 +1,62 @@
+// Norms compared with PyTorch's own: weight files that write_models.py has made, with PyTorch's names, whose
+// self-test loading repeats; and the same deployed.
+
+#include <tactnet/deployment.hpp>
+#include <tactnet/io/model_file.hpp>
+#include <tactnet/layers.hpp>
+#include <tactnet/networks/network.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+/// Loads a file, which compares the trained network with PyTorch, and compares the deployed one by the same
+/// tolerance.
+template <class Network>
+void compare(const char* name) {
+    const char* const folder = std::getenv("TACTNET_PYTORCH_MODELS");
+    REQUIRE_MESSAGE(folder != nullptr, "set TACTNET_PYTORCH_MODELS to the folder that write_models.py wrote");
+    const safetensors file =
+        safetensors::read(std::filesystem::path(folder) / (std::string(name) + ".safetensors"));
+    const std::vector<float> expected = file.values<float>("selftest.logits");
+    const std::vector<std::uint8_t> images = file.values<std::uint8_t>("selftest.input");
+    const auto fast = deploy(load_model<Network>(file));
+    float largest = 0;
+    for (const float value : expected)
+        largest = std::max(largest, std::abs(value));
+    std::vector<float> found(Network::outputs);
+    for (std::size_t image = 0; image < images.size() / Network::input_shape.size(); ++image) {
+        CAPTURE(image);
+        REQUIRE(fast.infer(tensor_view<const std::uint8_t, Network::input_shape>(
+                               images.data() + image * Network::input_shape.size()),
+                           std::span<float, Network::outputs>(found)) == frame_status::ok);
+        std::size_t outside = 0;
+        for (std::size_t o = 0; o < found.size(); ++o)
+            outside += !(std::abs(found[o] - expected[image * found.size() + o]) <=
+                         detail::selftest_tolerance * largest);
+        CHECK(outside == 0);
+    }
+}
+
+constexpr shape image{9, 11, 3};
+
+} // namespace
+
+TEST_CASE("PyTorch: GroupNorm, InstanceNorm2d, LayerNorm of frames and of channels") {
+    compare<network<image, conv2d<20, 3>, group_norm<5>>>("group_norm");
+    compare<network<image, instance_norm>>("instance_norm");
+    compare<network<image, layer_norm<norm_over::frame>>>("layer_norm_frame");
+    compare<network<image, conv2d<7, 3>, layer_norm<norm_over::channels>>>("layer_norm_channels");
+}

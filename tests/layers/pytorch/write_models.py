@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+"""Writes a weight file for each network of normalisation_pytorch_test.cpp: what PyTorch's own layers make of images of
+odd sizes, as a self-test that load_model repeats.
+
+Parameters are drawn, so that none hides a mistake, and the logits are computed in double precision.
+
+    write_models.py FOLDER
+"""
+
+import json
+import pathlib
+import struct
+import sys
+
+import numpy
+import torch
+from torch import nn
+
+
+def save(path, arrays, metadata):
+    """Writes arrays by name, and metadata, as a safetensors file."""
+    kinds = {"float32": "F32", "uint8": "U8"}
+    header, data = {"__metadata__": metadata}, b""
+    for name, array in arrays.items():
+        header[name] = {
+            "dtype": kinds[array.dtype.name],
+            "shape": array.shape,
+            "data_offsets": [len(data), len(data) + array.nbytes],
+        }
+        data += array.tobytes()
+    text = json.dumps(header).encode()
+    text += b" " * (-len(text) % 8)
+    path.write_bytes(struct.pack("<Q", len(text)) + text + data)
+
+
+class ChannelsLast(nn.LayerNorm):
+    """ConvNeXt's norm: over the channels of each pixel."""
+
+    def forward(self, x):
+        return super().forward(x.permute(0, 2, 3, 1)).permute(0, 3, 1, 2)
+
+
+def network(**layers):
+    module = nn.Sequential()
+    for name, layer in layers.items():
+        module.add_module(name, layer)
+    return module
+
+
+SCALE = 1 / 64
+ROWS, COLUMNS = 9, 11
+NETWORKS = {
+    "group_norm": (3, network(conv1=nn.Conv2d(3, 20, 3, padding=1), gn1=nn.GroupNorm(5, 20))),
+    "instance_norm": (3, network(in1=nn.InstanceNorm2d(3, affine=True))),
+    "layer_norm_frame": (3, network(ln1=nn.LayerNorm((3, ROWS, COLUMNS)))),
+    "layer_norm_channels": (3, network(conv1=nn.Conv2d(3, 7, 3, padding=1), ln1=ChannelsLast(7))),
+}
+
+
+def main(folder):
+    torch.manual_seed(20261126)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, (channels, module) in NETWORKS.items():
+        for parameter in module.parameters():
+            nn.init.uniform_(parameter, -0.8, 0.8)
+        arrays = {key: value.numpy().copy() for key, value in module.state_dict().items()}
+        images = torch.randint(0, 256, (3, channels, ROWS, COLUMNS), dtype=torch.uint8)
+        images[1] = 7  # a frame without deviation
+        with torch.no_grad():
+            logits = module.double()(images.double() * SCALE).flatten(1).float()
+        arrays |= {"selftest.input": images.numpy(), "selftest.logits": logits.numpy()}
+        classes = [f"output_{i}" for i in range(logits.shape[1])]
+        metadata = {"format": "tactnet", "version": "1", "input": "scale", "input_scale": str(SCALE)}
+        save(folder / f"{name}.safetensors", arrays, metadata | {"classes": json.dumps(classes)})
+
+
+main(pathlib.Path(sys.argv[1]))
