@@ -7,10 +7,12 @@
 #include <tactnet/layers/activations/softmax.hpp>
 #include <tactnet/layers/activations/square_root.hpp>
 #include <tactnet/layers/composition/concatenation.hpp>
+#include <tactnet/layers/composition/gate.hpp>
 #include <tactnet/layers/composition/named.hpp>
 #include <tactnet/layers/composition/norm_relu_pool.hpp>
 #include <tactnet/layers/composition/residual.hpp>
 #include <tactnet/layers/composition/sequence.hpp>
+#include <tactnet/layers/composition/squeeze_excitation.hpp>
 #include <tactnet/layers/conv2d.hpp>
 #include <tactnet/layers/dense.hpp>
 #include <tactnet/layers/dropout.hpp>

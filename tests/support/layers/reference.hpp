@@ -169,6 +169,8 @@ reference_pointer reference_parametric_relu(extents3 input);
 reference_pointer reference_identity(extents3 input);
 reference_pointer reference_sequence(extents3 input, std::vector<reference_pointer> layers);
 reference_pointer reference_residual(reference_pointer main, reference_pointer skip);
+/// The input times the factor of each channel that the branch gives.
+reference_pointer reference_gate(reference_pointer branch);
 reference_pointer reference_concatenation(std::vector<reference_pointer> branches);
 
 } // namespace support

@@ -169,8 +169,37 @@ private:
     std::vector<reference_pointer> branches_;
 };
 
+/// Each channel times a factor that a branch gives; one rounding.
+class gate final : public reference_layer {
+public:
+    explicit gate(reference_pointer branch) : branch_(std::move(branch)) {
+        input = output = branch_->input;
+        add_costs(*this, *branch_);
+    }
+    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
+        samples out = in;
+        const samples factors = branch_->forward(call, in);
+        for (std::size_t s = 0; s < in.size(); ++s)
+            for (std::size_t e = 0; e < input.size(); ++e) {
+                const bounded x = in[s][e], factor = factors[s][e / input.area()];
+                const bounded product{x.value * factor.value,
+                                      magnitude(x) * factor.error + x.error * std::abs(factor.value),
+                                      std::hypot(x.value * factor.deviation, x.deviation * factor.value)};
+                out[s][e] = rounded_once(product, call.roundoff);
+                out[s][e].error += lost;
+            }
+        return out;
+    }
+
+private:
+    reference_pointer branch_;
+};
+
 } // namespace
 
+reference_pointer reference_gate(reference_pointer branch) {
+    return std::make_unique<gate>(std::move(branch));
+}
 reference_pointer reference_concatenation(std::vector<reference_pointer> branches) {
     return std::make_unique<concatenation>(std::move(branches));
 }

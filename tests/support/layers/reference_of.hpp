@@ -255,4 +255,11 @@ struct reference_of<tactnet::residual<Main, Skip>> {
     }
 };
 
+template <class... Branch>
+struct reference_of<tactnet::gate<Branch...>> {
+    static reference_pointer on(extents3 in) {
+        return reference_gate(reference_of<tactnet::sequence<Branch...>>::on(in));
+    }
+};
+
 } // namespace support

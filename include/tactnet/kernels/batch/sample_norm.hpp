@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/simd/in_double.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
 #include <cstddef>
@@ -44,21 +45,6 @@ struct norm_groups {
             body(e);
     }
 };
-
-/// Loads floats or doubles as doubles.
-[[nodiscard]] inline vector<double> load_double(const float* from) {
-    return widen(from);
-}
-[[nodiscard]] inline vector<double> load_double(const double* from) {
-    return load(from);
-}
-/// Rounds doubles to floats, or keeps them, and stores them.
-inline void store_double(float* to, const vector<double>& values) {
-    narrow(to, values);
-}
-inline void store_double(double* to, const vector<double>& values) {
-    store(to, values);
-}
 
 /// The mean and 1 ÷ √(variance + epsilon) of a group.
 struct group_moments {

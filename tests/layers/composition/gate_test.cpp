@@ -1,0 +1,39 @@
+#include <tactnet/layers.hpp>
+
+#include <string>
+#include <support/layers/conformance.hpp>
+#include <vector>
+
+using namespace tactnet;
+using support::check_layer;
+
+TEST_CASE("gate: squeeze and excitation with a sigmoid and with a hard sigmoid") {
+    check_layer<squeeze_excitation<6, 2>, shape{3, 4, 6}>();
+    check_layer<squeeze_excitation<5, 3, hard_sigmoid>, shape{4, 3, 5}>();
+}
+TEST_CASE("gate: the mean of each channel times the channel itself") {
+    check_layer<gate<global_average_pool>, shape{3, 5, 2}>();
+}
+TEST_CASE("gate: a map of one pixel by itself, and by a branch with a batch norm") {
+    check_layer<gate<>, shape{1, 1, 4}>();
+    check_layer<gate<conv2d<4, 1>, batch_norm, hyperbolic_tangent>, shape{1, 1, 4}>();
+}
+TEST_CASE("gate: after a layer that needs its output, before one that writes over its input") {
+    check_layer<sequence<conv2d<6, 3>, sigmoid, squeeze_excitation<6, 2>, relu, dense<3>>, shape{4, 3, 2}>();
+}
+TEST_CASE("gate: inside a residual block, as in MobileNetV3") {
+    check_layer<residual<sequence<conv2d<6, 1>, hard_swish, squeeze_excitation<6, 2, hard_sigmoid>,
+                                  conv2d<3, 1>, batch_norm>>,
+                shape{3, 4, 3}>();
+}
+
+TEST_CASE("gate: arrays of squeeze and excitation have torchvision's names and extents") {
+    const auto arrays = support::make_layer<squeeze_excitation<6, 2>, float, shape{3, 4, 6}>()->describe();
+    REQUIRE(arrays.size() == 4);
+    CHECK(arrays[0].name == "layer.fc1.weight");
+    CHECK(arrays[0].extents == std::vector<std::size_t>{2, 6, 1, 1});
+    CHECK(arrays[1].name == "layer.fc1.bias");
+    CHECK(arrays[2].name == "layer.fc2.weight");
+    CHECK(arrays[2].extents == std::vector<std::size_t>{6, 2, 1, 1});
+    CHECK(arrays[3].name == "layer.fc2.bias");
+}
