@@ -85,6 +85,22 @@ using net = tactnet::network<tactnet::shape{7, 13, 1}, tactnet::dropout<100>, ta
 constexpr auto parameters = net::parameters;
 #endif
 
+#ifdef CASE_gate_of_a_map
+// expect: gate: the branch must give one factor for each channel of the input, in one pixel; gives_factor_per_channel shows rows, columns and channels of the branch, then channels of the input
+// at-most: 1
+using net =
+    tactnet::network<tactnet::shape{7, 13, 6}, tactnet::gate<tactnet::conv2d<6, 1>, tactnet::sigmoid>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_gate_of_other_channels
+// expect: gate: the branch must give one factor for each channel of the input, in one pixel; gives_factor_per_channel shows rows, columns and channels of the branch, then channels of the input
+// expect: BranchChannels = 8; Channels = 6|Channels = 6; .*BranchChannels = 8|gives_factor_per_channel<1UL, 1UL, 8UL, 6UL>
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 6}, tactnet::squeeze_excitation<8, 2>>;
+constexpr auto parameters = net::parameters;
+#endif
+
 #ifdef CASE_group_norm_groups_do_not_divide
 // expect: group_norm: groups must divide the channels of the input; groups_divide_channels shows groups and channels
 // expect: Channels = 6; Groups = 4|Groups = 4|groups_divide_channels<4UL, 6UL>

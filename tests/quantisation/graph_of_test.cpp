@@ -1,5 +1,6 @@
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/eight_bit.hpp>
+#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/quantisation/graph_of.hpp>
 
@@ -68,6 +69,29 @@ TEST_CASE("calibration_graph_of: maps lie one after the other, those of one rang
     const calibration_graph without =
         calibration_graph_of<deployed<network<shape{2, 3}, dense<2>>, eight_bit>::view_type>();
     CHECK((without.softmax == nullptr));
+}
+
+TEST_CASE("calibration_graph_of: a gate multiplies its input by the map that its branch writes last") {
+    using gated =
+        deployed<network<shape{3, 4}, conv2d<4, 3>, squeeze_excitation<4, 2, hard_sigmoid>, dense<2>>,
+                 eight_bit>::view_type;
+    const calibration_graph net = calibration_graph_of<gated>();
+    // Convolution; means, convolution with ReLU, convolution, sigmoid; product; outputs.
+    REQUIRE(net.nodes.size() == 7);
+    const graph_node& product = net.nodes[5];
+    CHECK(product.multiplies);
+    CHECK(!product.is_convolution());
+    CHECK(product.input == net.nodes[0].output);
+    CHECK(product.added == net.nodes[4].output);
+    CHECK(net.maps[product.added].size == shape{1, 1, 4});
+    CHECK(net.maps[product.output].size == shape{3, 4, 4});
+    const folded_layout layout = folded_layout_of<gated>();
+    const auto named = [&](const char* name) {
+        return std::any_of(layout.steps.begin(), layout.steps.end(),
+                           [&](const folded_step& step) { return step.name == name; });
+    };
+    CHECK(named("step2.branch.step1"));
+    CHECK(named("step2.product"));
 }
 
 TEST_CASE("calibration_graph_of: steps come as they run, each with its maps and folded numbers") {

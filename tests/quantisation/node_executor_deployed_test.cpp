@@ -21,8 +21,8 @@ using all_steps =
     network<shape{11, 10, 2}, square_root<std::ratio<3, 8>>, conv2d<8, 3>, batch_norm, relu, max_pool<3, 2>,
             residual<sequence<conv2d<8, 3>, relu, conv2d<12, 3>>, sequence<conv2d<12, 1>>>, relu,
             concatenation<sequence<conv2d<4, 1>, relu>, sequence<conv2d<8, 3>, relu>>,
-            conv2d<6, extent2d(2, 3), 1, pad(1), conv2d_options{.groups = 2}>, max_pool<2>, batch_norm, relu,
-            residual<sequence<conv2d<6, 3>>>, average_pool<2, 1>, dense<5>>;
+            squeeze_excitation<12, 4>, conv2d<6, extent2d(2, 3), 1, pad(1), conv2d_options{.groups = 2}>,
+            max_pool<2>, batch_norm, relu, residual<sequence<conv2d<6, 3>>>, average_pool<2, 1>, dense<5>>;
 
 /// The map that a description writes last, of a frame of counts with a mean of zero.
 template <class Network>

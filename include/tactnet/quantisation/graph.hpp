@@ -22,8 +22,8 @@ struct feature_map {
 
 /// One step. Which of the other members count depends on its operator.
 struct graph_node {
-    /// The operator in single precision, with its folded numbers. A convolution has none: node_executor
-    /// computes it. Only operators that some network has are compiled.
+    /// The operator in single precision, with its folded numbers. Convolutions and products have none:
+    /// node_executor computes them. Only operators that some network has are compiled.
     using function = void (*)(const graph_node& step, const float* folded, const float* in, float* out);
     function reference = nullptr;
     sliding_window window{{0, 0, 0}, 1, 1}; ///< of a convolution or a max pool
@@ -34,6 +34,7 @@ struct graph_node {
     double offset = 0;                      ///< of a square root
     bool relu = false;                      ///< of a convolution or a norm
     bool accumulates = false;               ///< to the map `added`
+    bool multiplies = false;                ///< the input by the factors in the map `added`
     std::size_t input = 0, added = 0;       ///< maps
     std::size_t output = 0, first = 0;      ///< a map, and the first of its channels that is written
     shape from{}, to{};                     ///< sizes of these maps
@@ -43,7 +44,9 @@ struct graph_node {
 
     /// The weights of one filter.
     [[nodiscard]] std::size_t taps() const { return window.input.channels / groups * window.kernel.area(); }
-    [[nodiscard]] bool is_convolution() const { return reference == nullptr; }
+    [[nodiscard]] bool is_convolution() const { return reference == nullptr && !multiplies; }
+    /// Whether it reads the map `added`, too.
+    [[nodiscard]] bool reads_added() const { return accumulates || multiplies; }
 };
 
 /// Maps and steps in the order of execution. Map 0 and range 0 belong to the frame. The outputs, which are
@@ -78,7 +81,7 @@ struct calibration_graph {
         for (const graph_node& step : nodes)
             if (step.set_ranges != nullptr)
                 step.set_ranges(folded + step.folded,
-                                {range(step.input), step.accumulates ? range(step.added) : map_range{},
+                                {range(step.input), step.reads_added() ? range(step.added) : map_range{},
                                  range(step.output)});
     }
 };

@@ -67,6 +67,14 @@ private:
                     net_.nodes.end());
         return output;
     }
+    /// The factors of a gate, and the product.
+    template <class Step, class Branch, class Product>
+    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into,
+                                  const inner_step<Branch, step_composition::product>&,
+                                  const inner_step<Product, step_composition::product>&) {
+        const std::size_t factors = append<Branch>(input);
+        return add_parameters<Product>({.multiplies = true, .input = input, .added = factors}, into);
+    }
     /// Branches that write their slices of one map share its range: the range that the last of them has made.
     template <class Step, class Format, class... Steps>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t, std::type_identity<Format>, const shape&,
@@ -160,7 +168,7 @@ private:
     template <class Step>
     [[gnu::cold]] std::size_t add_parameters(const graph_node& step, std::size_t into) {
         std::size_t range = calibration_graph::none;
-        if (Step::ranges > (step.accumulates ? 2 : 1))
+        if (Step::ranges > (step.reads_added() ? 2 : 1))
             range = net_.ranges++;
         return add_node<Step>(step,
                               into == calibration_graph::none ? net_.add_map(Step::output, range) : into);

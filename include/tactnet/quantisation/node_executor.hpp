@@ -122,6 +122,8 @@ public:
         const shape to = step_.to;
         if (step_.is_convolution())
             convolve(maps, out, to);
+        else if (step_.multiplies)
+            multiply(in, maps + net_.maps[step_.added].begin, out, to);
         else
             step_.reference(step_, of_step_, in, out);
         if (rounded_)
@@ -203,6 +205,10 @@ private:
                              : weight;
             }
         }
+    }
+    [[gnu::cold]] static void multiply(const float* in, const float* factors, float* out, shape map) {
+        for (std::size_t e = 0; e < map.size(); ++e)
+            out[e] = in[e] * factors[e % map.channels];
     }
     [[gnu::cold]] void convolve(const float* maps, float* out, shape to) const {
         const std::size_t rows = step_.window.output_rows(), columns = step_.window.output_columns();

@@ -34,12 +34,13 @@ using mixed_network = tactnet::network<
                                     tactnet::conv2d<6, 1>, tactnet::relu,
                                     tactnet::conv2d<5, 3, 1, tactnet::padding::same, tactnet::without_bias>>,
                                 tactnet::identity_layer>>,
-    tactnet::instance_norm, tactnet::layer_norm<tactnet::norm_over::channels>,
-    tactnet::layer_norm<tactnet::norm_over::frame>, tactnet::local_response_norm<>, tactnet::square_root<>,
-    tactnet::leaky_relu<200>, tactnet::parametric_relu, tactnet::relu6, tactnet::hard_swish,
-    tactnet::hard_sigmoid, tactnet::silu, tactnet::gelu, tactnet::sigmoid, tactnet::hyperbolic_tangent,
-    tactnet::softplus, tactnet::average_pool<2, 1>, tactnet::adaptive_max_pool<tactnet::extent2d{3, 2}>,
-    tactnet::upsample<2>, tactnet::upsample_to<tactnet::extent2d{5, 7}, tactnet::interpolation::bilinear>,
+    tactnet::squeeze_excitation<29, 5>, tactnet::instance_norm,
+    tactnet::layer_norm<tactnet::norm_over::channels>, tactnet::layer_norm<tactnet::norm_over::frame>,
+    tactnet::local_response_norm<>, tactnet::square_root<>, tactnet::leaky_relu<200>,
+    tactnet::parametric_relu, tactnet::relu6, tactnet::hard_swish, tactnet::hard_sigmoid, tactnet::silu,
+    tactnet::gelu, tactnet::sigmoid, tactnet::hyperbolic_tangent, tactnet::softplus,
+    tactnet::average_pool<2, 1>, tactnet::adaptive_max_pool<tactnet::extent2d{3, 2}>, tactnet::upsample<2>,
+    tactnet::upsample_to<tactnet::extent2d{5, 7}, tactnet::interpolation::bilinear>,
     tactnet::transposed_conv2d<6, 3, 2>, tactnet::dense<3>, tactnet::softmax>;
 
 /// More memory than a stack should hold, and a step that is not among those of deployment/.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes a weight file for each network of normalisation_pytorch_test.cpp: what PyTorch's own layers make of images of
+"""Writes a weight file for each network of layers_pytorch_test.cpp: what PyTorch's own layers make of images of
 odd sizes, as a self-test that load_model repeats.
 
 Parameters are drawn, so that none hides a mistake, and the logits are computed in double precision.
@@ -40,6 +40,19 @@ class ChannelsLast(nn.LayerNorm):
         return super().forward(x.permute(0, 2, 3, 1)).permute(0, 3, 1, 2)
 
 
+class SqueezeExcitation(nn.Module):
+    """torchvision's, which needs no torchvision here."""
+
+    def __init__(self, channels, squeezed, scale):
+        super().__init__()
+        self.fc1, self.fc2 = nn.Conv2d(channels, squeezed, 1), nn.Conv2d(squeezed, channels, 1)
+        self.scale = scale
+
+    def forward(self, x):
+        factors = self.fc1(nn.functional.adaptive_avg_pool2d(x, 1)).relu()
+        return x * self.scale(self.fc2(factors))
+
+
 def network(**layers):
     module = nn.Sequential()
     for name, layer in layers.items():
@@ -53,6 +66,16 @@ NETWORKS = {
     "group_norm": (3, network(conv1=nn.Conv2d(3, 20, 3, padding=1), gn1=nn.GroupNorm(5, 20))),
     "instance_norm": (3, network(in1=nn.InstanceNorm2d(3, affine=True))),
     "layer_norm_frame": (3, network(ln1=nn.LayerNorm((3, ROWS, COLUMNS)))),
+    "squeeze_excitation": (3, network(se=SqueezeExcitation(3, 2, nn.Sigmoid()))),
+    "mobile": (
+        3,
+        network(
+            conv1=nn.Conv2d(3, 12, 3, padding=1),
+            act=nn.Hardswish(),
+            se=SqueezeExcitation(12, 5, nn.Hardsigmoid()),
+            conv2=nn.Conv2d(12, 4, 1),
+        ),
+    ),
     "layer_norm_channels": (3, network(conv1=nn.Conv2d(3, 7, 3, padding=1), ln1=ChannelsLast(7))),
 }
 

@@ -7,6 +7,7 @@
 
 #include <tactnet/deployment/deployed_view.hpp>
 #include <tactnet/deployment/eight_bit/steps.hpp>
+#include <tactnet/deployment/steps/gate.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -350,6 +351,30 @@ struct reference_step<tactnet::residual_step<Main, Skip, Stride>, Products> {
             return reference_step<Main, Products>::run(
                 folded, in,
                 reference_step<Skip, Products>::run(folded + Main::folded_elements, in, whole_map{}));
+    }
+};
+
+template <class Products>
+struct reference_step<tactnet::no_step, Products> {
+    static whole_map run(const float*, whole_map map, const whole_map&) { return map; }
+};
+
+/// The product of a byte and the byte of its channel's factor.
+template <class Branch, tactnet::shape Map, std::size_t Stride, class Products>
+struct reference_step<tactnet::gate_step<Branch, tactnet::product_step<tactnet::eight_bit, Map, Stride>>,
+                      Products> {
+    static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
+        const whole_map factors = reference_step<Branch, Products>::run(folded, in, whole_map{});
+        folded += Branch::folded_elements;
+        const reference_range input = reference_range::next(folded), other = reference_range::next(folded),
+                              output = reference_range::next(folded);
+        const auto scale = static_cast<float>(input.scale * other.scale / output.scale);
+        whole_map result(Map);
+        for (std::size_t i = 0; i < result.whole.size(); ++i)
+            result.whole[i] =
+                reference_byte((in.whole[i] - input.zero) * (factors.whole[i % Map.channels] - other.zero),
+                               scale, output.zero, false);
+        return result;
     }
 };
 

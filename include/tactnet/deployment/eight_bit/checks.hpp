@@ -109,7 +109,9 @@ private:
         const folded_step::array *const weights = step.find("weight"), *const biases = step.find("bias"),
                                         *const scales = step.find("scale");
         if (weights == nullptr || biases == nullptr)
-            return check_factor(step.arrays[0].name, 0, static_cast<double>(ranges.input.scale),
+            return check_factor(step.arrays[0].name, 0,
+                                static_cast<double>(ranges.input.scale) *
+                                    static_cast<double>(ranges.added.scale),
                                 ranges.output);
         for (std::size_t f = 0; f < biases->size && !problem_; ++f) {
             const float bias = folded_[biases->offset + f];

@@ -5,6 +5,7 @@
 #include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/deployment/eight_bit/steps/convolution.hpp>
 #include <tactnet/deployment/eight_bit/steps/elementwise.hpp>
+#include <tactnet/deployment/eight_bit/steps/gate.hpp>
 #include <tactnet/deployment/eight_bit/steps/parametric_relu.hpp>
 #include <tactnet/deployment/eight_bit/steps/pooling.hpp>
 #include <tactnet/deployment/eight_bit/steps/resampling.hpp>

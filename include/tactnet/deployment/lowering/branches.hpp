@@ -2,7 +2,9 @@
 
 #include <tactnet/deployment/lowering/sequence.hpp>
 #include <tactnet/deployment/steps/branches.hpp>
+#include <tactnet/deployment/steps/gate.hpp>
 #include <tactnet/layers/composition/concatenation.hpp>
+#include <tactnet/layers/composition/gate.hpp>
 #include <tactnet/layers/composition/residual.hpp>
 
 #include <cstddef>
@@ -76,6 +78,24 @@ template <class Main, class Skip>
 struct lowering<residual<Main, Skip>> {
     template <class Place>
     using at = lowered_residual<Place, Main, Skip>;
+};
+
+/// The branch of a gate, and the product.
+template <class Place, class... Branch>
+struct lowered_gate {
+    using layer = typename Place::layer;
+    using branch = detail::lowered_alone<lowered_sequence<typename Place::format, sequence<Branch...>,
+                                                          typename layer::branch, Place::input_stride>>;
+    using step = gate_step<typename branch::step,
+                           product_step<typename Place::format, layer::output, Place::input_stride>>;
+
+    static void fold(const parameter_source& list, float* to) { branch::fold(Place::parameters(list), to); }
+};
+
+template <class... Branch>
+struct lowering<gate<Branch...>> {
+    template <class Place>
+    using at = lowered_gate<Place, Branch...>;
 };
 
 /// Branches whose channels lie side by side in one map.

@@ -58,6 +58,7 @@ struct step_chain : step_defaults {
     static constexpr std::size_t before_last_map = size > 1 ? buffer_index(size - 2) * buffer : 0;
 
     static constexpr bool gives_probabilities = at<size - 1>::gives_probabilities;
+    static constexpr double largest_output = at<size - 1>::largest_output;
     static constexpr bool layerwise = (Steps::layerwise || ...);
 
     /// Runs once, so that it is not worth the time to compile it for speed.

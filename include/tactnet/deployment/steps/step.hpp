@@ -7,6 +7,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <limits>
 
 // What a deployed network does, step by step. A step stands for one or several layers and knows only sizes.
 // Its constants:
@@ -25,6 +26,7 @@
 //   fills_map               false if it writes only some channels of a map that other steps write to
 //   gives_probabilities     true if its outputs are probabilities
 //   number_elements         elements of the map that a number of its output takes, if not one
+//   largest_output          a bound of the magnitude of its outputs, whatever the input
 // Optional functions:
 //   run_share               computes the share of one thread in several frames
 //   run_batch               computes several frames on an executor (batch_executor.hpp)
@@ -58,6 +60,7 @@ struct step_defaults {
     static constexpr std::size_t folded_elements = 0, packed_elements = 0, workspace_elements = 0;
     static constexpr bool layerwise = false, fills_map = true, gives_probabilities = false;
     static constexpr std::size_t number_elements = 1;
+    static constexpr double largest_output = std::numeric_limits<double>::infinity();
 };
 
 /// The requirements on a step, as above.
@@ -131,7 +134,7 @@ struct step_description;
 struct input_stride_argument {};
 
 /// How a step is composed of others.
-enum class step_composition { chain, sum, concatenation, wrapper };
+enum class step_composition { chain, sum, product, concatenation, wrapper };
 
 /// The argument for a step inside another one.
 template <class Step, step_composition How>

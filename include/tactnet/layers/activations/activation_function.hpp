@@ -35,6 +35,7 @@
 //   arguments           a std::array of the unsigned template arguments of `type`
 //   is_relu             true for max(x, 0) alone: in 8 bits a clamp of bytes; the layer before fuses it
 //   moves_zero          true unless value(0) is 0
+//   largest_value       a bound of |value(x)|, for the limit on inputs of networks that multiply by it
 //   takes_vectors       true if the functions take kernels::vector<float> in place of float
 //                       (kernels/simd/special_functions.hpp)
 

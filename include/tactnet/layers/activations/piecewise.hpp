@@ -54,6 +54,7 @@ struct hard_sigmoid_function {
                                 *type = "tactnet::hard_sigmoid_function",
                                 *header = "tactnet/layers/activations/piecewise.hpp";
     static constexpr bool moves_zero = true;
+    static constexpr double largest_value = 1;
 
     template <class T>
     static constexpr T value(T x) {

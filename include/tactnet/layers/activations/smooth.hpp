@@ -13,6 +13,7 @@ struct sigmoid_function {
     static constexpr const char *name = "sigmoid", *title = "Sigmoid", *type = "tactnet::sigmoid_function",
                                 *header = "tactnet/layers/activations/smooth.hpp";
     static constexpr bool takes_vectors = true, moves_zero = true;
+    static constexpr double largest_value = 1;
 
     /// By e to the power of −|x|, which does not overflow.
     template <class Number>
@@ -52,6 +53,7 @@ struct hyperbolic_tangent_function {
                                 *type = "tactnet::hyperbolic_tangent_function",
                                 *header = "tactnet/layers/activations/smooth.hpp";
     static constexpr bool takes_vectors = true;
+    static constexpr double largest_value = 1;
 
     template <class Number>
     static constexpr Number value(const Number& x) {

@@ -18,7 +18,7 @@ namespace detail {
 template <std::size_t BranchRows, std::size_t BranchColumns, std::size_t BranchChannels, std::size_t Channels>
 [[nodiscard]] constexpr shape gate_output(shape input) {
     static_assert(gives_factor_per_channel<BranchRows, BranchColumns, BranchChannels, Channels>,
-                  "gate: the branch must give one factor for each channel of the input, a map of 1 × 1; "
+                  "gate: the branch must give one factor for each channel of the input, in one pixel; "
                   "gives_factor_per_channel shows rows, columns and channels of the branch, then channels "
                   "of the input");
     return input;

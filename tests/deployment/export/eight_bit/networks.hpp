@@ -28,6 +28,7 @@ using branched_network = tactnet::network<
     tactnet::relu, tactnet::max_pool<3, 2>,
     tactnet::concatenation<tactnet::sequence<tactnet::conv2d<4, 1>, tactnet::relu>,
                            tactnet::sequence<tactnet::conv2d<8, 3>, tactnet::relu>>,
+    tactnet::squeeze_excitation<12, 3, tactnet::hard_sigmoid>,
     tactnet::conv2d<12, 3, 1, tactnet::padding::same, tactnet::in_groups(12)>, tactnet::relu,
     tactnet::conv2d<6, 2, 1, tactnet::padding::same, tactnet::in_groups(2)>, tactnet::batch_norm,
     tactnet::parametric_relu, tactnet::adaptive_max_pool<tactnet::extent2d{5, 4}>,

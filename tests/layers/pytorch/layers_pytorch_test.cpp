@@ -1,5 +1,5 @@
-// Norms compared with PyTorch's own: weight files that write_models.py has made, with PyTorch's names, whose
-// self-test loading repeats; and the same deployed.
+// Norms and gates compared with PyTorch's own: weight files that write_models.py has made, with PyTorch's
+// names, whose self-test loading repeats; and the same deployed.
 
 #include <tactnet/deployment.hpp>
 #include <tactnet/io/model_file.hpp>
@@ -53,6 +53,12 @@ void compare(const char* name) {
 constexpr shape image{9, 11, 3};
 
 } // namespace
+
+TEST_CASE("PyTorch: squeeze and excitation, by itself and as in MobileNetV3") {
+    compare<network<image, named<"se", squeeze_excitation<3, 2>>>>("squeeze_excitation");
+    compare<network<image, conv2d<12, 3>, hard_swish, named<"se", squeeze_excitation<12, 5, hard_sigmoid>>,
+                    conv2d<4, 1>>>("mobile");
+}
 
 TEST_CASE("PyTorch: GroupNorm, InstanceNorm2d, LayerNorm of frames and of channels") {
     compare<network<image, conv2d<20, 3>, group_norm<5>>>("group_norm");
