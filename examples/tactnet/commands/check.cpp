@@ -2,123 +2,201 @@
 
 #include "commands/commands.hpp"
 #include "console.hpp"
-#include "data/folder_check.hpp"
+#include "data/input_file.hpp"
 #include "methods/training_settings.hpp"
 #include "reports/report.hpp"
+
+#include <tactnet/io/file_error.hpp>
+#include <tactnet/io/images/folder.hpp>
+#include <tactnet/io/images/set.hpp>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <decode_image.hpp>
+#include <filesystem>
+#include <map>
 #include <memory>
+#include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 namespace {
 
-std::string size_text(std::size_t rows, std::size_t columns) {
-    return fmt::format("{}x{}", rows, columns);
-}
+/// The images that the paper's methods were tested on, as its authors publish them.
+constexpr std::uint64_t fingerprint_of_paper = 0x587e7229c6307ee5;
+constexpr const char* paper_images = "the paper's 1 100 images of 22 classes, 28x50, of which 5 are copies "
+                                     "(github.com/TaISLab/CNN-based-Methods-for-Tactile-Object-Recognition, "
+                                     "with the paper doi 10.1109/JSEN.2019.2912968)";
 
-/// What of a class, or of all, goes into a line of the table.
-struct summary {
-    std::size_t images = 0, copies = 0, full = 0;
-    std::vector<std::string> sizes{};
+struct checked_image {
+    std::string name; ///< below the folder, printable
+    std::size_t label;
+    std::string unreadable{}; ///< why it cannot be read; then nothing of what follows is known
+    tactnet::grey_image image{};
 
-    void add(const checked_image& image) {
-        ++images;
-        full += image.full > 0;
-        if (const std::string size = image.readable() ? size_text(image.rows, image.columns) : "unreadable";
-            std::ranges::find(sizes, size) == sizes.end())
-            sizes.push_back(size);
+    std::string size() const {
+        return unreadable.empty() ? fmt::format("{}x{}", image.rows, image.columns) : "unreadable";
     }
-    std::vector<std::string> line(const std::string& name) const {
-        return {name, grouped(images), fmt::format("{}", fmt::join(sizes, ", ")), grouped(copies),
-                grouped(full)};
+    /// Tactels of that count or more.
+    std::size_t count(std::uint8_t least) const {
+        return static_cast<std::size_t>(
+            std::ranges::count_if(image.pixels, [=](std::uint8_t pixel) { return pixel >= least; }));
+    }
+    bool one_value() const {
+        return std::ranges::all_of(image.pixels, [&](auto pixel) { return pixel == image.pixels.front(); });
     }
 };
 
-std::string table_of(const folder_check& check) {
-    std::vector<summary> classes(check.classes.size());
-    summary all;
-    for (const checked_image& image : check.images) {
-        classes[image.label].add(image);
-        all.add(image);
+/// A pair of images with the same pixels: the first of all such, and another one.
+using image_copy = std::pair<const checked_image*, const checked_image*>;
+
+std::string name_in(const std::filesystem::path& folder, const std::filesystem::path& path) {
+    return printable(path.lexically_relative(folder).string());
+}
+
+std::vector<checked_image> read_images(const tactnet::image_folder& list,
+                                       const std::filesystem::path& folder) {
+    std::vector<checked_image> images;
+    for (const auto& file : list.files) {
+        checked_image& found = images.emplace_back(checked_image{name_in(folder, file.path), file.label});
+        try {
+            check_no_device(file.path);
+            found.image = decode_image(file.path);
+        } catch (const tactnet::file_error& error) {
+            found.unreadable = "expected " + error.expected() + ", found " + error.found();
+        }
     }
-    for (const auto& copy : check.copies)
-        ++classes[check.images[copy.second].label].copies;
-    all.copies = check.copies.size();
+    return images;
+}
+
+std::vector<image_copy> copies_among(const std::vector<checked_image>& images) {
+    std::map<std::pair<std::string, std::vector<std::uint8_t>>, const checked_image*> first;
+    std::vector<image_copy> copies;
+    for (const checked_image& found : images)
+        if (found.unreadable.empty() && !found.one_value())
+            if (const auto [same, is_new] = first.try_emplace({found.size(), found.image.pixels}, &found);
+                !is_new)
+                copies.emplace_back(same->second, &found);
+    return copies;
+}
+
+/// Depends on the pixels of all images and on which are of one class, not on names or order.
+std::uint64_t fingerprint_of_images(const std::vector<checked_image>& images, std::size_t classes) {
+    std::vector<std::uint64_t> sums(classes);
+    for (const checked_image& found : images) {
+        fingerprint print;
+        print.add(found.image.rows);
+        print.add(found.image.columns);
+        print.mix_all(found.image.pixels);
+        sums[found.label] += print.value();
+    }
+    std::uint64_t all = 0;
+    for (const std::uint64_t sum : sums) {
+        fingerprint print;
+        print.add(sum);
+        all += print.value();
+    }
+    return all;
+}
+
+std::string table_of(const std::vector<checked_image>& images, const std::vector<image_copy>& copies,
+                     const std::vector<std::string>& classes) {
     std::vector<std::vector<std::string>> cells{{"class", "images", "size", "copies", "with 255"}};
+    const auto add = [&](const std::string& name, auto counts) {
+        std::size_t count = 0, full = 0;
+        std::vector<std::string> sizes;
+        for (const checked_image& found : images)
+            if (counts(found)) {
+                ++count;
+                full += found.count(255) > 0;
+                if (std::ranges::find(sizes, found.size()) == sizes.end())
+                    sizes.push_back(found.size());
+            }
+        const auto copied = static_cast<std::size_t>(
+            std::ranges::count_if(copies, [&](const image_copy& copy) { return counts(*copy.second); }));
+        cells.push_back({name, grouped(count), fmt::format("{}", fmt::join(sizes, ", ")), grouped(copied),
+                         grouped(full)});
+    };
     for (std::size_t c = 0; c < classes.size(); ++c)
-        cells.push_back(classes[c].line(printable(check.classes[c])));
-    cells.push_back(all.line("all"));
+        add(printable(classes[c]), [c](const checked_image& found) { return found.label == c; });
+    add("all", [](const checked_image&) { return true; });
     return table(cells);
 }
 
 /// Each in a line.
-std::vector<std::string> problems_of(const folder_check& check, const std::filesystem::path& folder) {
+std::vector<std::string> problems_of(const std::vector<checked_image>& images,
+                                     const std::vector<image_copy>& copies) {
+    std::map<std::string, std::size_t> sizes;
+    for (const checked_image& found : images)
+        if (found.unreadable.empty())
+            ++sizes[found.size()];
+    const std::string usual = sizes.empty() ? "" : std::ranges::max_element(sizes, {}, [](const auto& size) {
+                                                       return size.second;
+                                                   })->first;
     std::vector<std::string> problems;
-    const auto name_of = [&](const checked_image& image) {
-        return printable(image.path.lexically_relative(folder).string());
-    };
-    const std::string usual = size_text(check.rows, check.columns);
-    for (const checked_image& image : check.images) {
-        if (!image.readable()) {
-            problems.push_back(fmt::format("{}: {}", name_of(image), printable(image.unreadable)));
+    for (const checked_image& found : images) {
+        const auto add = [&](const std::string& problem) { problems.push_back(found.name + ": " + problem); };
+        if (!found.unreadable.empty()) {
+            add(printable(found.unreadable));
             continue;
         }
-        if (image.rows != check.rows || image.columns != check.columns)
-            problems.push_back(
-                fmt::format("{}: expected {} as most images, or --resize in training, found {}",
-                            name_of(image), usual, size_text(image.rows, image.columns)));
-        if (image.empty())
-            problems.push_back(
-                fmt::format("{}: expected a touch, found the same value in all tactels", name_of(image)));
-        if (image.saturated())
-            problems.push_back(fmt::format("{}: expected pressures that the sensor can tell, found {} of {} "
-                                           "pressed tactels at 255",
-                                           name_of(image), image.full, image.pressed));
+        if (found.size() != usual)
+            add(fmt::format("expected {} as most images, or --resize in training, found {}", usual,
+                            found.size()));
+        const std::size_t pressed = found.count(1), full = found.count(255);
+        if (found.one_value() && full == 0)
+            add("expected a touch, found the same value in all tactels");
+        if (full > 0 && 2 * full >= pressed)
+            add(fmt::format(
+                "expected pressures that the sensor can tell, found {} of {} pressed tactels at 255", full,
+                pressed));
     }
-    for (const auto& copy : check.copies)
-        if (!check.within_a_class(copy))
-            problems.push_back(fmt::format("{}: expected an image of one class, found a copy of {}",
-                                           name_of(check.images[copy.second]),
-                                           name_of(check.images[copy.first])));
+    for (const auto& [original, copy] : copies)
+        if (original->label != copy->label)
+            problems.push_back(copy->name + ": expected an image of one class, found a copy of " +
+                               original->name);
     return problems;
 }
 
-/// Told, but nothing wrong: a sensor may send a frame twice.
-std::string notes_of(const folder_check& check, const std::filesystem::path& folder) {
-    std::string text;
-    const auto name_of = [&](std::size_t index) {
-        return printable(check.images[index].path.lexically_relative(folder).string());
-    };
-    for (const auto& copy : check.copies)
-        if (check.within_a_class(copy))
-            text += fmt::format("{} is a copy of {}: a random split may train on one and test the other\n",
-                                name_of(copy.second), name_of(copy.first));
-    if (!check.passed_over.empty())
-        text += fmt::format("{} files are no images of a class and are passed over, such as {}\n",
-                            grouped(check.passed_over.size()),
-                            printable(check.passed_over.front().lexically_relative(folder).string()));
-    return text;
-}
-
-/// Whether they are the images of the paper.
-std::string origin_of(const folder_check& check) {
-    using paper = paper_images;
-    const std::string what = fmt::format(
-        "the paper's {} images of {} classes, {}x{}, of which {} are copies ({})", grouped(paper::images),
-        paper::classes, paper::rows, paper::columns, paper::copies, paper::source);
-    return check.fingerprint() == paper::fingerprint ? "These are " + what + ", to the last pixel.\n"
-                                                     : "These are not " + what + ".\n";
+/// Files below a folder that are not among the images, but for hidden ones.
+std::vector<std::filesystem::path> others_in(const std::filesystem::path& folder,
+                                             const tactnet::image_folder& list) {
+    std::set<std::filesystem::path> images;
+    for (const auto& file : list.files)
+        images.insert(file.path);
+    std::vector<std::filesystem::path> others;
+    std::error_code code, ignored;
+    auto walk = std::filesystem::recursive_directory_iterator(folder, code);
+    for (; !code && walk != std::filesystem::recursive_directory_iterator(); walk.increment(code))
+        if (walk->path().filename().string().starts_with('.'))
+            walk.disable_recursion_pending();
+        else if (!walk->is_directory(ignored) && !images.contains(walk->path()))
+            others.push_back(walk->path());
+    std::ranges::sort(others);
+    return others;
 }
 
 int check_data(const std::filesystem::path& folder) {
-    const folder_check check = check_folder(folder);
-    const std::vector<std::string> problems = problems_of(check, folder);
-    std::string text = table_of(check) + notes_of(check, folder) + origin_of(check);
+    const tactnet::image_folder list = tactnet::list_image_folder(folder);
+    const std::vector<checked_image> images = read_images(list, folder);
+    const std::vector<image_copy> copies = copies_among(images);
+    const std::vector<std::filesystem::path> others = others_in(folder, list);
+    std::string text = table_of(images, copies, list.classes);
+    for (const auto& [original, copy] : copies)
+        if (original->label == copy->label) // no problem: a sensor may send a frame twice
+            text += fmt::format("{} is a copy of {}: a random split may train on one and test the other\n",
+                                copy->name, original->name);
+    if (!others.empty())
+        text += fmt::format("{} files are no images of a class and are passed over, such as {}\n",
+                            grouped(others.size()), name_in(folder, others.front()));
+    const bool of_paper = fingerprint_of_images(images, list.classes.size()) == fingerprint_of_paper;
+    text += fmt::format("These are {}{}{}.\n", of_paper ? "" : "not ", paper_images,
+                        of_paper ? ", to the last pixel" : "");
+    const std::vector<std::string> problems = problems_of(images, copies);
     for (const std::string& problem : problems)
         text += problem + '\n';
     text += problems.empty() ? "nothing is wrong\n" : fmt::format("{} problems\n", grouped(problems.size()));

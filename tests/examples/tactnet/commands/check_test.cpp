@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <data/folder_check.hpp>
 #include <string>
 #include <string_view>
 #include <support/files/data_folder.hpp>
@@ -140,26 +139,13 @@ TEST_SUITE("program") {
                                  "bottle/bottle19.jpg is a copy of bottle/bottle15.jpg",
                                  "caliper/caliper50.jpg is a copy of caliper/caliper48.jpg"})
             CHECK_MESSAGE(shows(found, copy), copy);
-        const folder_check read = check_folder(*data);
-        CHECK(read.images.size() == paper_images::images);
-        CHECK(read.classes.size() == paper_images::classes);
-        CHECK(read.rows == paper_images::rows);
-        CHECK(read.columns == paper_images::columns);
-        CHECK(read.copies.size() == paper_images::copies);
-        CHECK(read.fingerprint() == paper_images::fingerprint);
-    }
 
-    TEST_CASE("folder_check: its fingerprint is of pixels and classes, not of names and order") {
-        const workshop shop;
-        const std::uint64_t before = check_folder(shop.data()).fingerprint();
-        fs::rename(shop.data() / "left", shop.data() / "zuletzt");
-        fs::rename(shop.data() / "right/image0.png", shop.data() / "right/image99.png");
-        CHECK(check_folder(shop.data()).fingerprint() == before);
-        fs::rename(shop.data() / "right/image1.png", shop.data() / "zuletzt/image99.png");
-        CHECK(check_folder(shop.data()).fingerprint() != before);
-        fs::rename(shop.data() / "zuletzt/image99.png", shop.data() / "right/image1.png");
-        CHECK(check_folder(shop.data()).fingerprint() == before);
-        write_image(shop.data() / "right/image1.png", 1, 2);
-        CHECK(check_folder(shop.data()).fingerprint() != before);
+        // By the pixels of a class's images, whatever they and their class are called.
+        fs::copy(*data, shop / "copy", fs::copy_options::recursive);
+        fs::rename(shop / "copy/bottle", shop / "copy/a flask");
+        fs::rename(shop / "copy/caliper/caliper1.jpg", shop / "copy/caliper/last.jpg");
+        CHECK(shows(check(shop, shop / "copy"), "\nThese are the paper's"));
+        fs::rename(shop / "copy/caliper/last.jpg", shop / "copy/a flask/last.jpg");
+        CHECK(shows(check(shop, shop / "copy"), "\nThese are not the paper's"));
     }
 }
