@@ -7,12 +7,6 @@
 # too. TRUNKS are networks trained on photographs that methods begin with, at all sizes. Networks are the library's, or
 # templates of your own header, `namespace::network<input, classes>`, where a - in a name stands for a _. The property
 # TACTNET_UNITS of the target lists what was compiled, as network_size and network_size_in_8_bits.
-#
-# The target <target>_code_bytes, which no other builds, compiles what recognises a frame of each network alone and writes
-# how many bytes that takes in addition to the weights, to <target>_code_bytes.csv next to the program.
-
-find_program(TACTNET_SIZE NAMES size llvm-size DOC "prints the bytes of object files")
-mark_as_advanced(TACTNET_SIZE)
 
 # Sets `result` to network_size for each network and size.
 function(tactnet_networks_at_sizes result entries sizes)
@@ -41,16 +35,11 @@ function(tactnet_networks_at_sizes result entries sizes)
     set(${result} "${list}" PARENT_SCOPE)
 endfunction()
 
-# Writes a source file with one function, which returns `expression`.
-function(tactnet_write_unit file headers function expression)
-    file(CONFIGURE OUTPUT "${file}" CONTENT "// Generated.\n${headers}\n${function};\n\n${function} {
-    return ${expression};\n}\n" @ONLY)
-endfunction()
-
-# A source of tactnet_add_program, which defines make_<name>() of that type.
+# A source of tactnet_add_program, which defines make_<name>() of that type: it returns the expression.
 macro(tactnet_add_unit name headers type expression)
     set(function "${type} make_${name}()")
-    tactnet_write_unit("${folder}/${name}.cpp" "${headers}" "${function}" "${expression}")
+    file(CONFIGURE OUTPUT "${folder}/${name}.cpp" CONTENT "// Generated.\n${headers}\n${function};\n\n${function} {
+    return ${expression};\n}\n" @ONLY)
     string(APPEND functions "${function};\n")
     list(APPEND sources "${folder}/${name}.cpp")
 endmacro()
@@ -74,7 +63,6 @@ function(tactnet_add_program target)
         set(namespace "${arg_NAMESPACE}")
         get_filename_component(header "${arg_HEADER}" ABSOLUTE)
     endif()
-    get_property(program_folder GLOBAL PROPERTY TACTNET_PROGRAM_SOURCE_DIR)
     set(folder "${CMAKE_CURRENT_BINARY_DIR}/${target}_units")
 
     foreach(unit IN LISTS networks)
@@ -100,10 +88,8 @@ function(tactnet_add_program target)
             "compile_network<${type}, ${template}<tactnet::shape{${extents}, 1}, 1>>()"
         )
         list(APPEND compiled "${unit}")
-        set(formats single_precision,32,)
         set(bytes nullptr)
         if("${unit}" IN_LIST eight_bit)
-            list(APPEND formats eight_bit,8,_in_8_bits)
             set(bytes "make_${name}_in_8_bits()")
             tactnet_add_unit(
                 "${name}_in_8_bits" "#include \"methods/networks/compile_eight_bit.hpp\"\n${headers}"
@@ -112,18 +98,6 @@ function(tactnet_add_program target)
             list(APPEND compiled "${unit}_in_8_bits")
         endif()
         string(APPEND calls "\n    methods.push_back(make_network_method(\"${network}\", make_${name}(), \"${template}\", ${training}, ${bytes}));")
-        foreach(format IN LISTS formats)
-            string(REGEX MATCH "(.*),(.*),(.*)" format "${format}")
-            set(frame "${folder}/frames/${name}${CMAKE_MATCH_3}.cpp")
-            list(APPEND frames "${frame}")
-            list(APPEND frame_networks "${network}/${size},${CMAKE_MATCH_2}")
-            tactnet_write_unit(
-                "${frame}"
-                "#include <tactnet/deployment.hpp>\n#include <tactnet/deployment/eight_bit.hpp>\n${headers}\nusing view = tactnet::deployed<${type}, tactnet::${CMAKE_MATCH_1}>::view_type;\n"
-                "tactnet::frame_status recognise(const view::packed_weights& weights, const std::uint8_t* counts, float* logits, view::workspace& memory) noexcept"
-                "view(weights).infer(tactnet::tensor_view<const std::uint8_t, view::input_shape>(counts), std::span<float, view::outputs>(logits, view::outputs), memory)"
-            )
-        endforeach()
     endforeach()
     # After the networks: support vector machines and heads for images of each size.
     foreach(size IN LISTS all_sizes)
@@ -162,19 +136,4 @@ std::vector<std::unique_ptr<method>> make_methods() {
     endforeach()
     target_link_libraries(${target} PRIVATE tactnet::simulation tactnet_quick_to_compile)
     set_target_properties(${target} PROPERTIES TACTNET_UNITS "${compiled}")
-    if(TACTNET_SIZE)
-        add_library(${target}_frames OBJECT EXCLUDE_FROM_ALL ${frames})
-        tactnet_use(${target}_frames)
-        set_target_properties(${target}_frames PROPERTIES UNITY_BUILD OFF)
-        add_custom_target(
-            ${target}_code_bytes
-            COMMAND
-                "${CMAKE_COMMAND}" "-DSIZE=${TACTNET_SIZE}" "-DNETWORKS=${frame_networks}"
-                "-DOBJECTS=$<TARGET_OBJECTS:${target}_frames>"
-                "-DOUTPUT=$<TARGET_FILE_DIR:${target}>/${target}_code_bytes.csv" -P
-                "${program_folder}/methods/networks/code_bytes.cmake"
-            DEPENDS $<TARGET_OBJECTS:${target}_frames>
-            VERBATIM
-        )
-    endif()
 endfunction()

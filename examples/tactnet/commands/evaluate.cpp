@@ -26,7 +26,6 @@
 #include <cstdint>
 #include <interrupt.hpp>
 #include <iterator>
-#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -168,14 +167,9 @@ int evaluate(const evaluate_options& o) {
             throw tactnet::file_error(o.results, "", "results in 8 bits beside those in single precision",
                                       "only the former; see --afresh");
     const pinned here;
-    const std::string here_by(program_instruction_set());
-    report(o, rows_of(
-                  candidates, plan, all, results,
-                  [&](const method& what, std::size_t bits) {
-                      const auto time = measure_latency(what.make_work(bits), what.frames_together());
-                      return std::map<std::string, frame_latency>{{here_by, time}};
-                  },
-                  here_by));
+    report(o, rows_of(candidates, plan, all, results, [](const method& what, std::size_t bits) {
+               return measure_latency(what.make_work(bits), what.frames_together());
+           }));
     return success;
 }
 

@@ -10,7 +10,7 @@
 #include "number_options.hpp"
 #include "study/page.hpp"
 #include "study/pictures.hpp"
-#include "study/plan.hpp"
+#include "study/rows.hpp"
 
 #include <tactnet/io/write_file.hpp>
 
@@ -18,11 +18,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <interrupt.hpp>
 #include <iterator>
 #include <map>
 #include <memory>
-#include <processor.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -31,6 +32,105 @@
 #include <vector>
 
 namespace {
+
+struct study_options {
+    std::string data, results = "study", shard;
+    std::vector<std::string> methods, sizes, recipes{"default", "published"}, pretrained, merged;
+    std::string split = "both";
+    std::size_t splits = 20, jobs = std::max(1U, std::thread::hardware_concurrency());
+    std::size_t bits = 8;    ///< 8: networks in 8 bits too, where they have such a form
+    std::size_t unknown = 0; ///< see training_settings
+    bool report_only = false, only_trained = false;
+};
+
+bool chosen(const std::vector<std::string>& wanted, const std::string& name) {
+    return wanted.empty() || std::ranges::find(wanted, name) != wanted.end();
+}
+
+/// "squeezenet=FILE" by its name. Throws usage_error.
+std::map<std::string, std::string, std::less<>> pretrained_files(const study_options& o) {
+    std::map<std::string, std::string, std::less<>> files;
+    for (const std::string& text : o.pretrained) {
+        const std::size_t middle = text.find('=');
+        const std::string name = text.substr(0, middle);
+        if (middle == std::string::npos ||
+            std::ranges::none_of(photograph_networks::all, [&](const auto& n) { return n.name == name; }))
+            refuse("--pretrained: expected a network and its file, such as "
+                   "squeezenet=FILE, found '{}'",
+                   text);
+        files[name] = text.substr(middle + 1);
+    }
+    return files;
+}
+
+/// What is tried, and what cannot be.
+struct study_plan {
+    candidate_list candidates;
+    std::vector<study_row> missing;   ///< for want of a pretrained network
+    std::vector<study_row> not_built; ///< of the paper
+};
+
+/// Every method of the program at every size, and those of the paper that it lacks. Throws usage_error.
+study_plan plan_of(const study_options& o) {
+    const auto files = pretrained_files(o);
+    study_plan plan;
+    for (const auto& m : all_methods()) {
+        const std::string size = fmt::format("{}x{}", m->rows, m->columns);
+        if (!chosen(o.methods, m->name) || !chosen(o.sizes, size))
+            continue;
+        training_settings settings;
+        settings.rows = m->rows, settings.columns = m->columns;
+        settings.resize = true;
+        if (const auto needed = m->pretrained()) {
+            const auto file = files.find(needed->network.name);
+            if (file == files.end()) {
+                plan.missing.push_back(
+                    {.method = m->name,
+                     .rows = m->rows,
+                     .columns = m->columns,
+                     .recipe = "default",
+                     .missing = fmt::format("needs {} trained on photographs, --pretrained {}=FILE",
+                                            needed->network.title, needed->network.name),
+                     .published = find_published(m->name, m->rows, m->columns)});
+                continue;
+            }
+            settings.pretrained = file->second;
+        }
+        std::vector<std::string> tried; // recipes that come to the same
+        for (const std::string& recipe : o.recipes) {
+            if ((recipe == "published" && !(m->is_network() && m->published)) ||
+                (recipe == "thorough" && !may_be_thorough(*m)))
+                continue;
+            settings.recipe = recipe;
+            settings.bits = o.bits == 8 && m->has_eight_bit_form() ? 8 : 32;
+            settings.unknown = may_be_thorough(*m) ? o.unknown : 0;
+            const std::string name(recipe_for(*m, settings).name);
+            if (std::ranges::find(tried, name) != tried.end())
+                continue;
+            tried.push_back(name);
+            plan.candidates.push_back({m.get(), settings, nullptr});
+        }
+    }
+    const bool for_touches = std::ranges::any_of(all_methods(), [](const auto& m) {
+        return m->is_network() && find_published(m->name, m->rows, m->columns) != nullptr;
+    });
+    for (const published_result& p : published_results) // a program of other networks has no use for them
+        if (for_touches && p.rows == 28 && chosen(o.methods, std::string(p.method)) &&
+            chosen(o.sizes, "28x50") && std::ranges::none_of(all_methods(), [&](const auto& m) {
+                return m->name == p.method && m->rows == p.rows && m->columns == p.columns;
+            }))
+            plan.not_built.push_back(
+                {.method = std::string(p.method),
+                 .rows = p.rows,
+                 .columns = p.columns,
+                 .recipe = "default",
+                 .missing = fmt::format("the program was built without it, {}",
+                                        p.method.ends_with("-svm") && p.method != "surf-svm"
+                                            ? "TACTNET_PROGRAM_TRUNKS or _SIZES"
+                                            : "TACTNET_PROGRAM_NETWORKS or _SIZES"),
+                 .published = &p});
+    return plan;
+}
 
 /// One part of all trainings, for a machine among several.
 struct shard {
@@ -87,25 +187,25 @@ std::vector<timed_form> forms_of(const candidate_list& candidates) {
 }
 
 /// For a report that trains nothing: trainings of other versions and instruction sets take the place of those
-/// that this program has not made. Returns what they are, a sentence for each.
+/// that this program has not made. Returns which, in words.
 std::string take_from_elsewhere(std::vector<task>& tasks, const result_list& results) {
-    std::map<std::string, std::size_t> counts;
+    std::set<std::string> programs;
+    std::size_t count = 0;
     for (task& t : tasks) {
-        if (results.find(t.settings) != nullptr)
-            continue;
         const training_result* found = results.find_elsewhere(t.settings);
         if (found == nullptr) // in 8 bits it was not
             found = results.find_elsewhere(in_single_precision(t.settings));
-        if (found == nullptr)
+        if (found == nullptr || results.find(t.settings) != nullptr)
             continue;
         for (const char* key : {"library", "instruction_set"})
             t.settings[key] = found->settings.at(key);
-        ++counts[fmt::format("tactnet {} for {}", t.settings["library"], t.settings["instruction_set"])];
+        programs.insert(
+            fmt::format("tactnet {} for {}", t.settings["library"], t.settings["instruction_set"]));
+        ++count;
     }
-    std::vector<std::string> sentences;
-    for (const auto& [program, count] : counts)
-        sentences.push_back(fmt::format("{} of {} trainings are by {}", count, tasks.size(), program));
-    return fmt::format("{}", fmt::join(sentences, "; "));
+    return count == 0
+               ? ""
+               : fmt::format("{} of {} trainings are by {}", count, tasks.size(), fmt::join(programs, ", "));
 }
 
 std::string text_of(const tactnet::file_metadata& program) {
@@ -157,10 +257,10 @@ bool time_all(const candidate_list& candidates, timing_list& timings, const std:
 }
 
 void report(const std::filesystem::path& folder, const std::vector<study_row>& rows,
-            const std::vector<peer_time>& peers, const report_subject& of) {
+            const report_subject& of) {
     tactnet::write_file(folder / "study.jsonl", study_json_lines(rows));
     tactnet::write_file(folder / "study.csv", study_csv(rows));
-    const auto drawn = draw_study_pictures(study_pictures(rows, peers), folder);
+    const auto drawn = draw_study_pictures(study_pictures(rows), folder);
     tactnet::write_file(folder / "study.md", study_markdown(rows, of));
     tactnet::write_file(folder / "study.html", study_page(rows, drawn, of));
     const study_table methods = methods_table(rows);
@@ -168,26 +268,11 @@ void report(const std::filesystem::path& folder, const std::vector<study_row>& r
     tell("the page: {}\n", printable((folder / "study.html").string()));
 }
 
-std::vector<peer_time> peer_times(const study_options& o) {
-    std::vector<peer_time> peers;
-    for (const std::string& file : o.peers)
-        std::ranges::move(read_peer_times(file), std::back_inserter(peers));
-    const auto other = std::ranges::find_if(peers, [](const peer_time& time) {
-        return !time.processor.empty() && time.processor != processor_name();
-    });
-    if (other != peers.end())
-        tell("warning: --peers: times of {} were measured on {}, not on this {}\n", printable(other->peer),
-             printable(other->processor), processor_name());
-    return peers;
-}
-
 /// Throws usage_error.
 void check(const study_options& o, const study_plan& plan) {
-    std::vector<named_file> inputs{{"--code-bytes", o.code_bytes}};
+    std::vector<named_file> inputs;
     for (const auto& [name, file] : pretrained_files(o))
         inputs.push_back({"--pretrained", file});
-    for (const std::string& file : o.peers)
-        inputs.push_back({"--peers", file});
     check_study_files(o.results, {"timings.jsonl", "study.jsonl", "study.csv", "study.md", "study.html"}, {},
                       inputs, o.data, plan.candidates);
     if (plan.candidates.empty())
@@ -200,9 +285,6 @@ int study(const study_options& o) {
     const shard part = shard_of(o.shard);
     study_plan plan = plan_of(o);
     check(o, plan);
-    const std::vector<peer_time> peers = peer_times(o);
-    const std::vector<code_size> code =
-        o.code_bytes.empty() ? std::vector<code_size>{} : read_code_bytes(o.code_bytes);
     const split_plan splits{rules_of(o.split), 0, o.splits};
     const candidate_list& candidates = plan.candidates;
     load_candidates(plan.candidates, o.data);
@@ -211,10 +293,6 @@ int study(const study_options& o) {
         tell("stopped; the same command goes on with what is left\n");
         return int{interrupted_by_user};
     };
-    if (o.times_only) {
-        timing_list timings(folder / "timings.jsonl");
-        return time_all(candidates, timings, folder) ? int{success} : stopped();
-    }
     result_list results(folder / "evaluation.jsonl");
     merge(o, results);
     std::vector<task> all = tasks_of(candidates, splits);
@@ -241,11 +319,7 @@ int study(const study_options& o) {
     make_folder_of(folder / "timings.jsonl");
     timing_list timings(folder / "timings.jsonl");
     if (o.report_only) {
-        const auto forms = forms_of(candidates);
-        if (std::ranges::none_of(forms, [&](const timed_form& form) {
-                return timings.find(*form.first, form.second) != nullptr;
-            }))
-            timings.show_others();
+        timings.show_latest();
         tell_found(candidates, all, results, timings);
         if (!elsewhere.empty())
             tell("warning: {}, not by this program\n", printable(elsewhere));
@@ -253,16 +327,17 @@ int study(const study_options& o) {
             tell("warning: times are by another program: {}\n", printable(text_of(timings.shown())));
     } else if (!time_all(candidates, timings, folder))
         return stopped();
-    std::vector<study_row> rows = rows_of(
-        candidates, splits, all, results,
-        [&](const method& what, std::size_t bits) { return timings.by_instruction_set(what, bits); },
-        timings.shown().at("instruction_set"), code);
+    std::vector<study_row> rows =
+        rows_of(candidates, splits, all, results, [&](const method& what, std::size_t bits) {
+            const frame_latency* const found = timings.find(what, bits);
+            return found != nullptr ? std::optional(*found) : std::nullopt;
+        });
     std::ranges::move(plan.missing, std::back_inserter(rows));
     if (o.only_trained)
         std::erase_if(rows, [](const study_row& row) { return row.accuracies.empty(); });
     std::ranges::move(plan.not_built, std::back_inserter(rows));
     const image_data& data = *candidates.front().data;
-    report(folder, rows, peers,
+    report(folder, rows,
            {fmt::format("{} images of {} classes in {}; {} {} splits{}", data.images.size(),
                         data.images.classes.size(), printable(o.data), o.splits,
                         o.split == "both" ? "random and as many blocked" : o.split,
@@ -301,12 +376,6 @@ command add_study(CLI::App& program) {
     app->add_option("--pretrained", o->pretrained,
                     "ImageNet-pretrained networks, such as squeezenet=FILE, for the methods that need one")
         ->delimiter(',');
-    app->add_option("--peers", o->peers,
-                    "Times of other libraries for the same networks, for the pictures: tables of "
-                    "benchmark_inference from this machine")
-        ->delimiter(',');
-    app->add_option("--code-bytes", o->code_bytes,
-                    "Code size of the networks: the table that the target tactnet_program_code_bytes writes");
     add_bits_option(
         *app, o->bits,
         "8: networks in 8 bits too, where that form was compiled in; 32: in single precision alone");
@@ -324,10 +393,5 @@ command add_study(CLI::App& program) {
         ->excludes("--shard"); // a part has no report
     app->add_flag("--only-trained", o->only_trained,
                   "Omit methods without a training from the report, but keep the paper's");
-    app->add_flag("--times-only", o->times_only,
-                  "Only time the methods, in a program compiled for another instruction set")
-        ->excludes("--report-only")
-        ->excludes("--shard")
-        ->excludes("--merge");
     return [o] { return study(*o); };
 }

@@ -217,11 +217,9 @@ void write_reports(const train_options& o, const std::filesystem::path& reports,
                    const std::vector<std::string>& classes) {
     const std::string title = fmt::format("{} {}x{}", o.method, o.training.rows, o.training.columns);
     make_folder_of(reports);
-    if (training != nullptr) {
-        const std::vector<titled_curve> curves{
-            {fmt::format("{}, {} recipe", title, recipe), training->history()}};
-        plot_learning_curves(reports.string() + ".learning", curves);
-    }
+    if (training != nullptr)
+        plot_learning_curves(reports.string() + ".learning", fmt::format("{}, {} recipe", title, recipe),
+                             training->history());
     if (test.total() > 0)
         plot_confusion(reports.string() + ".confusion",
                        fmt::format("{}, {} split {}", title, o.split, o.seed), test, classes);

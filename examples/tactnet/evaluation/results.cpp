@@ -8,8 +8,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -19,11 +17,6 @@ using nlohmann::json;
 
 json number_or_null(double value) {
     return std::isfinite(value) ? json(value) : json(nullptr);
-}
-
-/// Four digits are enough for a picture.
-json rounded_or_null(double value) {
-    return std::isfinite(value) ? json(std::stod(fmt::format("{:.4g}", value))) : json(nullptr);
 }
 
 json bins_of(const tactnet::reliability_diagram& diagram) {
@@ -54,17 +47,7 @@ std::string line_of(const training_result& r) {
                                {"after", bins_of(r.calibration->after)}};
     for (const auto& [name, mean] : r.decisions)
         line["decisions"][name] = {mean.sum, mean.count};
-    for (const tactnet::epoch_report& e : r.curve)
-        line["curve"].push_back({e.epoch, rounded_or_null(e.loss), rounded_or_null(e.validation_loss),
-                                 rounded_or_null(e.validation_accuracy)});
     return line.dump();
-}
-
-/// nlohmann::json turns any number into the type that is asked for.
-std::size_t count_in(const json& value) {
-    if (!value.is_number_unsigned())
-        throw std::runtime_error("expected a whole number from 0, found " + value.dump());
-    return value.get<std::size_t>();
 }
 
 double number_in(const json& value) {
@@ -73,51 +56,12 @@ double number_in(const json& value) {
 
 tactnet::reliability_diagram diagram_in(const json& list) {
     std::array<tactnet::reliability_diagram::bin, tactnet::reliability_diagram::bin_count> bins;
-    if (!list.is_array() || list.size() != bins.size())
-        throw std::runtime_error(fmt::format("expected {} bins of probabilities", bins.size()));
-    for (std::size_t b = 0; b < bins.size(); ++b) {
-        bins[b] = {count_in(list[b].at(0)), count_in(list[b].at(1)), list[b].at(2), list[b].at(3)};
-        const auto count = static_cast<double>(bins[b].count);
-        const auto holds = [&](double sum) { return sum >= 0 && sum <= count * (1 + 1e-5); };
-        if (bins[b].right > bins[b].count || !holds(bins[b].probability) || !holds(bins[b].squares))
-            throw std::runtime_error("expected sums within the count of a bin, found " + list[b].dump());
-    }
+    for (std::size_t b = 0; b < bins.size(); ++b)
+        bins[b] = {list.at(b).at(0), list[b].at(1), list[b].at(2), list[b].at(3)};
     return tactnet::reliability_diagram(bins);
 }
 
-calibration calibration_in(const json& object) {
-    const double temperature = object.at("temperature");
-    if (!(temperature > 0 && std::isfinite(temperature)))
-        throw std::runtime_error("expected a temperature above 0, found " + object.at("temperature").dump());
-    return {{temperature}, diagram_in(object.at("before")), diagram_in(object.at("after"))};
-}
-
-decision_means decisions_in(const json& object) {
-    decision_means means;
-    for (const auto& [name, mean] : object.items()) {
-        const bool numbers =
-            mean.is_array() && mean.size() == 2 && mean[0].is_number() && mean[1].is_number();
-        if (!numbers || !(mean[0] >= 0) || !(mean[1] > 0))
-            throw std::runtime_error("expected a sum from 0 and a count above 0, found " + mean.dump());
-        means[name] = {mean[0], mean[1]};
-    }
-    return means;
-}
-
-std::vector<tactnet::epoch_report> curve_in(const json& points) {
-    std::vector<tactnet::epoch_report> curve;
-    for (const json& point : points) {
-        if (point.size() != 4)
-            throw std::runtime_error("expected 4 numbers of an epoch, found " + point.dump());
-        tactnet::epoch_report& e = curve.emplace_back();
-        e.epoch = count_in(point.at(0));
-        e.loss = number_in(point.at(1));
-        e.validation_loss = number_in(point.at(2));
-        e.validation_accuracy = number_in(point.at(3));
-    }
-    return curve;
-}
-
+/// As line_of wrote it: its checksum says that nothing has changed since.
 training_result result_of(const std::string& text) {
     const json line = json::parse(text);
     training_result r;
@@ -125,25 +69,21 @@ training_result result_of(const std::string& text) {
     r.validation_accuracy = number_in(line.at("validation_accuracy"));
     r.training_accuracy = number_in(line.at("training_accuracy"));
     r.reflected_accuracy = number_in(line.at("reflected_accuracy"));
-    r.epochs = count_in(line.at("epochs"));
+    r.epochs = line.at("epochs");
     r.seconds = line.at("seconds");
-    const std::size_t classes = count_in(line.at("classes"));
-    std::vector<std::size_t> counts;
-    for (const json& count : line.at("confusion"))
-        counts.push_back(count_in(count));
-    if (classes > 100'000 || counts.size() != classes * classes ||
-        std::accumulate(counts.begin(), counts.end(), 0.0) > 1e8)
-        throw std::runtime_error("the confusion matrix does not have classes x classes counts");
+    const std::size_t classes = line.at("classes");
     r.confusion = tactnet::confusion_matrix(classes);
-    for (std::size_t i = 0; i < counts.size(); ++i)
-        for (std::size_t n = 0; n < counts[i]; ++n)
+    for (std::size_t i = 0; i < classes * classes; ++i)
+        for (std::size_t n = line.at("confusion").at(i); n > 0; --n)
             r.confusion.add(i / classes, i % classes);
-    if (line.contains("calibration"))
-        r.calibration = calibration_in(line["calibration"]);
+    if (line.contains("calibration")) {
+        const json& of = line["calibration"];
+        r.calibration =
+            calibration{{of.at("temperature")}, diagram_in(of.at("before")), diagram_in(of.at("after"))};
+    }
     if (line.contains("decisions"))
-        r.decisions = decisions_in(line["decisions"]);
-    if (line.contains("curve"))
-        r.curve = curve_in(line["curve"]);
+        for (const auto& [name, mean] : line["decisions"].items())
+            r.decisions[name] = {mean.at(0), mean.at(1)};
     return r;
 }
 
@@ -154,20 +94,6 @@ tactnet::file_metadata without_program(tactnet::file_metadata settings) {
 }
 
 } // namespace
-
-std::vector<tactnet::epoch_report> curve_of(std::span<const tactnet::epoch_report> history) {
-    constexpr std::size_t most = 60;
-    std::size_t step = 1;
-    for (std::size_t scale = 1; history.size() > most * step; scale *= 10)
-        for (const std::size_t factor : {1U, 2U, 5U})
-            if (history.size() > most * step)
-                step = factor * scale;
-    std::vector<tactnet::epoch_report> curve;
-    for (const tactnet::epoch_report& e : history)
-        if (e.epoch % step == 0)
-            curve.push_back(e);
-    return curve;
-}
 
 tactnet::file_metadata in_single_precision(tactnet::file_metadata settings) {
     settings.erase("bits");

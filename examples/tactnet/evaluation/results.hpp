@@ -11,7 +11,6 @@
 #include <tactnet/decision/reliability_diagram.hpp>
 #include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/io/model_file.hpp>
-#include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/metrics.hpp>
 
 #include <cstddef>
@@ -53,13 +52,7 @@ struct training_result {
     decision_means decisions{};
     double seconds = 0;
     std::size_t epochs = 0;
-    /// See curve_of; without rates. Empty for methods without epochs.
-    std::vector<tactnet::epoch_report> curve{};
 };
-
-/// At most 60 epochs of a training, as many steps of a round number apart: every 2nd of 110, every 20th of
-/// 1000.
-std::vector<tactnet::epoch_report> curve_of(std::span<const tactnet::epoch_report> history);
 
 /// The settings of the same training in single precision.
 tactnet::file_metadata in_single_precision(tactnet::file_metadata settings);

@@ -128,8 +128,6 @@ std::vector<training_result> run(const task& t) {
     for (training_result& result : results) {
         result.seconds = seconds;
         result.epochs = by_epochs != nullptr ? by_epochs->history().size() : 1;
-        if (by_epochs != nullptr)
-            result.curve = curve_of(by_epochs->history());
     }
     return results;
 }

@@ -14,7 +14,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
-#include <map>
 #include <string_view>
 #include <sys/wait.h>
 #include <system_error>
@@ -120,33 +119,15 @@ void draw_picture(const std::string& script, const std::filesystem::path& stem, 
          shell_word(name(".png")));
 }
 
-std::string learning_curves_csv(std::span<const titled_curve> curves) {
-    std::map<std::size_t, std::vector<const tactnet::epoch_report*>> epochs;
-    for (std::size_t i = 0; i < curves.size(); ++i)
-        for (const tactnet::epoch_report& e : curves[i].second) {
-            epochs[e.epoch].resize(curves.size());
-            epochs[e.epoch][i] = &e;
-        }
+void plot_learning_curves(const std::filesystem::path& stem, const std::string& title,
+                          std::span<const tactnet::epoch_report> history) {
     std::vector<nlohmann::ordered_json> rows;
-    for (const auto& [epoch, reports] : epochs) {
-        nlohmann::ordered_json& row = rows.emplace_back(nlohmann::ordered_json{{"epoch", epoch}});
-        for (std::size_t i = 0; i < curves.size(); ++i) {
-            const tactnet::epoch_report& e =
-                reports[i] != nullptr ? *reports[i] : tactnet::epoch_report{.loss = std::nan("")};
-            const std::string of = curves.size() > 1 ? fmt::format("{}: ", curves[i].first) : "";
-            row[of + "loss"] = e.loss;
-            row[of + "validation_loss"] = e.validation_loss;
-            row[of + "validation_accuracy"] = e.validation_accuracy;
-        }
-    }
-    return csv_of(rows);
-}
-
-void plot_learning_curves(const std::filesystem::path& stem, std::span<const titled_curve> curves) {
-    picture_titles titles;
-    for (const titled_curve& curve : curves)
-        titles.names.push_back(curve.first);
-    draw_picture("learning_curves.gnuplot", stem, learning_curves_csv(curves), titles);
+    for (const tactnet::epoch_report& e : history)
+        rows.push_back({{"epoch", e.epoch},
+                        {"loss", e.loss},
+                        {"validation_loss", e.validation_loss},
+                        {"validation_accuracy", e.validation_accuracy}});
+    draw_picture("learning_curves.gnuplot", stem, csv_of(rows), {title, {}});
 }
 
 std::string confusion_csv(const tactnet::confusion_matrix& confusion,

@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 /// What gnuplot made of a script.
@@ -35,12 +34,9 @@ drawn_picture draw(const std::string& script, const std::filesystem::path& csv, 
 void draw_picture(const std::string& script, const std::filesystem::path& stem, const std::string& csv,
                   const picture_titles& titles);
 
-/// Epochs of a training, or the mean of several, with a title.
-using titled_curve = std::pair<std::string, std::vector<tactnet::epoch_report>>;
-
-/// A line for each epoch, with the columns of all curves.
-std::string learning_curves_csv(std::span<const titled_curve> curves);
-void plot_learning_curves(const std::filesystem::path& stem, std::span<const titled_curve> curves);
+/// A line for each epoch of a training.
+void plot_learning_curves(const std::filesystem::path& stem, const std::string& title,
+                          std::span<const tactnet::epoch_report> history);
 
 /// A row for each true class, a column for each recognised one.
 std::string confusion_csv(const tactnet::confusion_matrix& confusion,

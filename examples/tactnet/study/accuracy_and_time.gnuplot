@@ -1,4 +1,4 @@
-# Test accuracy against time per frame: each method, the Pareto front, other libraries, the paper.
+# Test accuracy against time per frame: each method, the Pareto front, the paper.
 #     gnuplot -c accuracy_and_time.gnuplot accuracy_and_time.csv png > accuracy_and_time.png
 set datafile separator ","
 set datafile columnheaders
@@ -6,13 +6,13 @@ if (ARG2 eq "svg") { set terminal svg size 900,600 dynamic font "sans-serif,13" 
 else { if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size 1100,700 font ",11" noenhanced } \
 else { set terminal png size 1100,700 noenhanced } }
 # Hues that colour-blind people can distinguish, on light and dark ground; grey for the paper.
-array series = ["touches", "photographs", "machines", "paper", "peers", "front", "names"]
+array series = ["touches", "photographs", "machines", "paper", "front", "names"]
 array title = ["networks for touches", "ImageNet-pretrained networks", "support vector machines", "the paper", \
-    "the same networks, other libraries", "Pareto front"]
-array hue = [0x2a78d6, 0xd9622b, 0x199e70, 0x8a8a86, 0xb0479a, 0x2a78d6]
-array mark = [7, 7, 7, 6, 2, 0]
-array there[6]
-do for [i = 1:6] {
+    "Pareto front"]
+array hue = [0x2a78d6, 0xd9622b, 0x199e70, 0x8a8a86, 0x2a78d6]
+array mark = [7, 7, 7, 6]
+array there[5]
+do for [i = 1:5] {
     stats ARG1 using (strcol("series") eq series[i] ? 1 : 0) nooutput
     there[i] = STATS_sum
 }
@@ -42,9 +42,9 @@ set xtics ("1 µs" 1, "10 µs" 10, "100 µs" 1e2, "1 ms" 1e3, "10 ms" 1e4, "100 
 set yrange [first:last]
 set ylabel last < 100 ? "test accuracy, % (errors on a log scale)" : "test accuracy, %"
 set key opaque bottom right
-plot ARG1 using (x(6)):"accuracy" smooth unique with steps lw 1.5 dt 2 lc rgb hue[6] title key(6), \
+plot ARG1 using (x(5)):"accuracy" smooth unique with steps lw 1.5 dt 2 lc rgb hue[5] title key(5), \
     for [i = 1:4] "" using (x(i)):"accuracy":(column("accuracy") - column("deviation")): \
         (below(column("accuracy") + column("deviation"))) with yerrorbars pt 7 ps 0 lc rgb 0xa0000000 + hue[i] notitle, \
-    for [i = 1:5] "" using (x(i)):"accuracy" with points pt mark[i] ps 0.8 lc rgb hue[i] title key(i), \
-    for [i = 1:5] "" using (x(i)):"accuracy":"words" with labels hypertext point pt mark[i] ps 0.8 lc rgb hue[i] notitle, \
-    "" using (x(7)):"accuracy":"words" with labels right offset -0.8,0.5 font ",10" notitle
+    for [i = 1:4] "" using (x(i)):"accuracy" with points pt mark[i] ps 0.8 lc rgb hue[i] title key(i), \
+    for [i = 1:4] "" using (x(i)):"accuracy":"words" with labels hypertext point pt mark[i] ps 0.8 lc rgb hue[i] notitle, \
+    "" using (x(6)):"accuracy":"words" with labels right offset -0.8,0.5 font ",10" notitle

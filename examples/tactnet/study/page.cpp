@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -69,97 +68,15 @@ study_table front_table(const std::vector<study_row>& rows) {
     return t;
 }
 
-/// For each method of the paper the fastest here that is at least as accurate over random splits. The paper's
-/// times are of another machine and are not compared.
-study_table against_table(const std::vector<study_row>& rows) {
-    study_table t{
-        "against",
-        "Against the paper",
-        "For each method of the paper, the fastest here whose mean accuracy is at least as high.",
-        {{"in the paper", "accuracy, %", "here, at least as accurate", "accuracy, %", "µs per frame"}}};
-    if (std::ranges::none_of(rows, [](const study_row& row) { return row.published != nullptr; }))
-        return t;
-    const auto ours = pareto_front(rows, split_rule::random); // the fastest first, each more accurate
-    for (const published_result& paper : published_results) {
-        const auto row = std::ranges::find_if(ours, [&](const study_row* r) {
-            return 100 * find_accuracy(*r, split_rule::random)->test.mean >= paper.accuracy;
-        });
-        if (paper.seconds > 0 && row != ours.end())
-            t.cells.push_back({std::string(paper.title), fmt::format("{:.2f}", paper.accuracy),
-                               title_of(**row), accuracy_of(**row, split_rule::random),
-                               time_of(**row, &frame_latency::median)});
-    }
-    return t;
-}
-
-/// What networks take of memory, where the bytes of their code are known.
 study_table memory_table(const std::vector<study_row>& rows) {
     study_table t{"memory",
                   "Memory",
-                  "What networks take of memory.",
-                  {{"method", "tactels", "weights, bytes", "working memory, bytes", "code, bytes"}}};
+                  "Working memory: the largest set of activations alive at once.",
+                  {{"method", "tactels", "weights, bytes", "working memory, bytes"}}};
     for (const study_row& row : rows)
-        if (row.code_bytes > 0 && row.recipe == "default") // a recipe changes no bytes
+        if (!row.declaration.empty() && row.recipe == "default") // a recipe changes no bytes
             t.cells.push_back({method_title(row), size_of(row), count_of(row.costs.parameter_bytes),
-                               count_of(row.costs.activation_bytes), count_of(row.code_bytes)});
-    return t;
-}
-
-study_table instruction_sets_table(const std::vector<study_row>& rows) {
-    study_table t{
-        "instruction sets",
-        "Other instruction sets",
-        "Microseconds per frame, median, of programs that were compiled for each, on the same machine.",
-        {{"method", "tactels"}}};
-    std::set<std::string> sets;
-    for (const study_row& row : rows)
-        for (const auto& [name, latency] : row.by_instruction_set)
-            sets.insert(name);
-    if (sets.size() < 2)
-        return t;
-    for (const std::string_view name : sets) {
-        constexpr std::string_view without_vectors = "scalar_";
-        t.cells[0].push_back(name.starts_with(without_vectors)
-                                 ? fmt::format("no vectors ({})", name.substr(without_vectors.size()))
-                                 : std::string(name));
-    }
-    std::set<std::string> shown; // a recipe changes no time
-    for (const study_row& row : rows) {
-        if (row.by_instruction_set.size() < 2 || !shown.insert(method_title(row) + size_of(row)).second)
-            continue;
-        std::vector<std::string>& cells = t.cells.emplace_back();
-        cells = {method_title(row), size_of(row)};
-        for (const std::string& name : sets) {
-            const auto found = row.by_instruction_set.find(name);
-            cells.push_back(
-                found == row.by_instruction_set.end() ? "" : fmt::format("{:.1f}", found->second.median));
-        }
-    }
-    return t;
-}
-
-/// Methods with both kinds of splits, the one first that loses least.
-study_table split_rules_table(const std::vector<study_row>& rows) {
-    study_table t{
-        "split rules",
-        "Random against blocked splits",
-        "Images that follow each other resemble each other. A blocked split keeps them together, so "
-        "that a method is tested on touches that it has not nearly seen.",
-        {{"method", "random, %", "blocked, %", "points less"}}};
-    std::vector<std::pair<double, std::vector<std::string>>> found;
-    for (const study_row& row : rows) {
-        const auto *random = find_accuracy(row, split_rule::random),
-                   *blocked = find_accuracy(row, split_rule::blocked);
-        if (random == nullptr || blocked == nullptr)
-            continue;
-        const double less = random->test.mean - blocked->test.mean;
-        found.push_back({less,
-                         {title_of(row), percent_of(random->test.mean), percent_of(blocked->test.mean),
-                          percent_of(less)}});
-    }
-    std::ranges::stable_sort(found, {}, &decltype(found)::value_type::first);
-    for (auto& [less, cells] : found)
-        t.cells.push_back(std::move(cells));
+                               count_of(row.costs.activation_bytes)});
     return t;
 }
 
@@ -236,16 +153,15 @@ study_table details_table(const std::vector<study_row>& rows) {
                               "as the frame; that much of p99 is the machine's.",
                               name_of(rule)),
                   {{"method", "tactels", "recipe", "validation, %", "training, %", "in batch, µs", "jitter",
-                    "multiply-adds on pixels", "weights, bytes", "working memory, bytes", "C++"}}};
+                    "multiply-adds on pixels", "C++"}}};
     for (const study_row& row : rows)
         if (const auto* a = find_accuracy(row, rule); a != nullptr || row.latency)
-            t.cells.push_back(
-                {method_title(row), size_of(row), row.recipe,
-                 percent_of(a != nullptr ? a->validation : std::nan("")),
-                 percent_of(a != nullptr ? a->training : std::nan("")),
-                 time_of(row, &frame_latency::in_batch), time_of(row, &frame_latency::jitter, 2),
-                 count_of(row.costs.multiply_adds_on_pixels), count_of(row.costs.parameter_bytes),
-                 count_of(row.costs.activation_bytes), code_of(row)});
+            t.cells.push_back({method_title(row), size_of(row), row.recipe,
+                               percent_of(a != nullptr ? a->validation : std::nan("")),
+                               percent_of(a != nullptr ? a->training : std::nan("")),
+                               time_of(row, &frame_latency::in_batch),
+                               time_of(row, &frame_latency::jitter, 2),
+                               count_of(row.costs.multiply_adds_on_pixels), code_of(row)});
     return t;
 }
 
@@ -291,10 +207,8 @@ study_table decisions_table(const std::vector<study_row>& rows) {
 }
 
 std::vector<study_table> study_tables(const std::vector<study_row>& rows) {
-    std::vector<study_table> all{
-        front_table(rows),         methods_table(rows),          details_table(rows),
-        probabilities_table(rows), decisions_table(rows),        against_table(rows),
-        memory_table(rows),        instruction_sets_table(rows), split_rules_table(rows)};
+    std::vector<study_table> all{front_table(rows),         methods_table(rows),   details_table(rows),
+                                 probabilities_table(rows), decisions_table(rows), memory_table(rows)};
     const split_rule rule = shown_rule(rows);
     if (const study_row* best = most_accurate(rows, rule); best != nullptr && !best->classes.empty()) {
         all.push_back(class_rates_table(*best, rule));

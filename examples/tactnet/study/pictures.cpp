@@ -54,32 +54,14 @@ std::string words_of(const study_row& row) {
     return text + (row.latency ? fmt::format("\\n{:.1f} µs per frame", row.latency->median) : "");
 }
 
-/// Accuracy against microseconds: each method, the Pareto front, other libraries, and the paper.
-study_picture costs_picture(const std::vector<study_row>& rows, const std::vector<peer_time>& peers) {
+/// Accuracy against microseconds: each method, the Pareto front and the paper.
+study_picture costs_picture(const std::vector<study_row>& rows) {
     const split_rule rule = shown_rule(rows);
     std::vector<nlohmann::ordered_json> points;
     for (const study_row& row : rows)
         if (const auto* a = find_accuracy(row, rule); a != nullptr && row.latency)
             points.push_back(point(std::string(family_of(row)), row.latency->median, 100 * a->test.mean,
                                    100 * a->test.deviation, words_of(row)));
-    bool by_others = false;
-    for (const peer_time& peer : peers) {
-        const study_row* same = nullptr;
-        double best = 0;
-        for (const study_row& row : rows)
-            if (const auto* a = find_accuracy(row, rule);
-                a != nullptr && row.bits == peer.bits && row.method == peer.method && row.rows == peer.rows &&
-                row.columns == peer.columns && a->test.mean > best) {
-                same = &row;
-                best = a->test.mean;
-            }
-        if (same == nullptr)
-            continue;
-        by_others = true;
-        points.push_back(point("peers", peer.microseconds, 100 * best, 0,
-                               fmt::format("{} {}x{} by {}\\n{:.1f} µs per frame", method_title(*same),
-                                           peer.rows, peer.columns, peer.peer, peer.microseconds)));
-    }
     for (const published_result& p : published_results)
         if (p.seconds > 0 && has_paper(rows))
             points.push_back(point("paper", 1e6 * p.seconds, p.accuracy, p.deviation,
@@ -100,9 +82,8 @@ study_picture costs_picture(const std::vector<study_row>& rows, const std::vecto
     }
     return {"accuracy_and_time",
             fmt::format("Test accuracy over {} splits against time per frame on one core; bars are "
-                        "standard deviations. The paper's figures are of its own images and machine.{}",
-                        name_of(rule),
-                        by_others ? " A cross is the same network, run by another library." : ""),
+                        "standard deviations. The paper's figures are of its own images and machine.",
+                        name_of(rule)),
             points.empty() ? "" : csv_of(points)};
 }
 
@@ -139,40 +120,10 @@ study_picture sizes_picture(const std::vector<study_row>& rows) {
     return picture;
 }
 
-/// How networks learn, epoch by epoch (the paper's figure 6): the most accurate row of each network that has
-/// a curve, six of them at most.
-study_picture curves_picture(const std::vector<study_row>& rows) {
-    const split_rule rule = shown_rule(rows);
-    std::vector<const study_row*> known;
-    for (const study_row& row : rows)
-        if (!row.curve.empty() && find_accuracy(row, rule) != nullptr)
-            known.push_back(&row);
-    std::ranges::stable_sort(known, std::ranges::greater(),
-                             [&](const study_row* row) { return find_accuracy(*row, rule)->test.mean; });
-    study_picture picture{
-        "learning_curves",
-        fmt::format("Loss (dashed: on training images, as they are augmented; solid: on validation images) "
-                    "and accuracy on validation images, epoch by epoch; the mean over {} splits.",
-                    name_of(rule)),
-        ""};
-    std::vector<titled_curve> curves;
-    std::vector<std::string> methods;
-    for (const study_row* row : known)
-        if (curves.size() < 6 && std::ranges::find(methods, row->method) == methods.end()) {
-            methods.push_back(row->method);
-            picture.series.push_back(title_of(*row));
-            curves.emplace_back(title_of(*row), row->curve);
-        }
-    picture.csv = learning_curves_csv(curves);
-    return picture;
-}
-
 } // namespace
 
-std::vector<study_picture> study_pictures(const std::vector<study_row>& rows,
-                                          const std::vector<peer_time>& peers) {
-    std::vector<study_picture> pictures{costs_picture(rows, peers), sizes_picture(rows),
-                                        curves_picture(rows)};
+std::vector<study_picture> study_pictures(const std::vector<study_row>& rows) {
+    std::vector<study_picture> pictures{costs_picture(rows), sizes_picture(rows)};
     std::erase_if(pictures, [](const study_picture& picture) { return picture.csv.empty(); });
     return pictures;
 }
@@ -199,7 +150,7 @@ void check_study_files(const std::filesystem::path& folder, std::vector<std::str
     std::vector<named_file> outputs;
     for (const std::string& name : files)
         outputs.push_back({"--results", folder / name});
-    for (const char* name : {"accuracy_and_time", "accuracy_and_tactels", "learning_curves"})
+    for (const char* name : {"accuracy_and_time", "accuracy_and_tactels"})
         pictures.insert(folder / name);
     for (const std::filesystem::path& stem : pictures)
         std::ranges::move(picture_files("--results", stem), std::back_inserter(outputs));

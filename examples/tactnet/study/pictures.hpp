@@ -19,10 +19,8 @@ struct study_picture {
     std::vector<std::string> series{};
 };
 
-/// Those that the rows have something for. Peers are drawn where a row has their network: its highest
-/// accuracy at their time.
-std::vector<study_picture> study_pictures(const std::vector<study_row>& rows,
-                                          const std::vector<peer_time>& peers = {});
+/// Those that the rows have something for.
+std::vector<study_picture> study_pictures(const std::vector<study_row>& rows);
 
 /// Draws them in a folder as PNG. Returns captions, and SVG where it could be drawn.
 std::vector<std::pair<std::string, std::string>>

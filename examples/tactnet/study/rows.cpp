@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 namespace {
@@ -31,7 +30,6 @@ std::optional<calibration> together(std::span<const calibration> splits) {
 split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, const std::vector<task>& tasks,
                                const result_list& results, std::size_t wanted, study_row& row) {
     std::vector<double> test, validation, training, reflected;
-    std::vector<std::vector<tactnet::epoch_report>> curves;
     std::vector<calibration> calibrations;
     const auto keep = [](std::vector<double>& list, double value) {
         if (std::isfinite(value))
@@ -58,12 +56,9 @@ split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, con
                 calibrations.push_back(*r->calibration);
             add_means(row.decisions, r->decisions);
         }
-        curves.push_back(r->curve);
     }
-    if (row.accuracies.empty()) {
-        row.curve = mean_curve(curves);
+    if (row.accuracies.empty())
         row.probabilities = together(calibrations);
-    }
     const auto mean_of = [](const std::vector<double>& values) {
         return values.empty() ? std::nan("") : tactnet::mean_and_deviation::of(values).mean;
     };
@@ -112,7 +107,6 @@ nlohmann::ordered_json json_of(const study_row& row) {
     put("multiply_adds", costs, row.costs.multiply_adds);
     put("multiply_adds_on_pixels", costs, row.costs.multiply_adds_on_pixels);
     put("bytes", costs, row.costs.parameter_bytes);
-    put("code_bytes", row.code_bytes > 0, row.code_bytes);
     put("activation_bytes", row.costs.activation_bytes > 0, row.costs.activation_bytes);
     const published_result paper = row.published != nullptr ? *row.published : published_result{};
     put("published_accuracy", row.published != nullptr, paper.accuracy / 100);
@@ -182,45 +176,14 @@ std::string title_of(const study_row& row) {
                        row.recipe == "default" ? "" : ", " + row.recipe);
 }
 
-std::vector<tactnet::epoch_report>
-mean_curve(const std::vector<std::vector<tactnet::epoch_report>>& trainings) {
-    std::map<std::size_t, std::vector<const tactnet::epoch_report*>> by_epoch;
-    for (const auto& curve : trainings)
-        for (const tactnet::epoch_report& e : curve)
-            by_epoch[e.epoch].push_back(&e);
-    std::vector<tactnet::epoch_report> means;
-    for (const auto& [epoch, reports] : by_epoch) {
-        const auto at_work = std::ranges::count_if(trainings, [epoch = epoch](const auto& curve) {
-            return !curve.empty() && curve.back().epoch >= epoch;
-        });
-        if (std::ssize(reports) != at_work)
-            continue;
-        tactnet::epoch_report mean{.epoch = epoch, .validation_loss = 0, .validation_accuracy = 0};
-        for (const tactnet::epoch_report* e : reports) {
-            mean.loss += e->loss / static_cast<double>(reports.size());
-            mean.validation_loss += e->validation_loss / static_cast<double>(reports.size());
-            mean.validation_accuracy += e->validation_accuracy / static_cast<double>(reports.size());
-        }
-        means.push_back(mean);
-    }
-    return means;
-}
-
 std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
                                const std::vector<task>& tasks, const result_list& results,
-                               const times_of_method& times, const std::string& shown,
-                               const std::vector<code_size>& code) {
+                               const time_of_method& time) {
     std::vector<study_row> rows;
     for (const candidate& c : candidates)
         for (const std::size_t bits : bits_of(c)) {
-            study_row& row = rows.emplace_back(row_of(c, bits, plan, tasks, results));
-            row.by_instruction_set = times(*c.what, bits);
-            if (const auto found = row.by_instruction_set.find(shown); found != row.by_instruction_set.end())
-                row.latency = found->second;
-            for (const code_size& size : code)
-                if (size.method == row.method && size.rows == row.rows && size.columns == row.columns &&
-                    size.bits == bits)
-                    row.code_bytes = size.bytes;
+            rows.push_back(row_of(c, bits, plan, tasks, results));
+            rows.back().latency = time(*c.what, bits);
         }
     return rows;
 }

@@ -4,12 +4,10 @@
 // costs.
 
 #include "evaluation/trainings.hpp"
-#include "study/benchmark_tables.hpp"
 #include "study/published.hpp"
 #include "study/timings.hpp"
 
 #include <functional>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,12 +32,9 @@ struct study_row {
     method_family family = method_family::touches;
     std::string missing{}; ///< why it was not run; else empty
     method_costs costs{};
-    std::size_t code_bytes = 0; ///< of the function that recognises a frame, without weights; 0 if unknown
     std::vector<split_accuracies> accuracies{}; ///< by the rules that were run
     double seconds = 0; ///< of the quickest training, since others may have shared the machine
     std::optional<frame_latency> latency{};
-    /// On this machine, by instruction set: this program's, and those of programs compiled for others.
-    std::map<std::string, frame_latency> by_instruction_set{};
     /// The same in the paper, where it has it.
     const published_result* published = nullptr;
     std::string declaration{}; ///< its type in C++, of a network that is one
@@ -47,8 +42,7 @@ struct study_row {
     tactnet::confusion_matrix confusion{}; ///< of all random splits, or of the others where there are none
     /// Calibration over these splits at the mean temperature; empty for methods without probabilities.
     std::optional<calibration> probabilities{};
-    decision_means decisions{};                 ///< means over these splits
-    std::vector<tactnet::epoch_report> curve{}; ///< the mean of the same splits; empty for what has no epochs
+    decision_means decisions{}; ///< means over these splits
 };
 
 /// The accuracy by a rule, or nothing.
@@ -59,20 +53,14 @@ std::string method_title(const study_row& row);
 /// "tactnet6 in 8 bits 28x50", and the recipe where it is not the default.
 std::string title_of(const study_row& row);
 
-/// The mean over trainings: at each epoch of those that were still at work, if all of them have it.
-std::vector<tactnet::epoch_report>
-mean_curve(const std::vector<std::vector<tactnet::epoch_report>>& trainings);
+/// The time of a method with weights of so many bits, if there is one.
+using time_of_method = std::function<std::optional<frame_latency>(const method& what, std::size_t bits)>;
 
-/// Times of a method with weights of so many bits, by the instruction set of the program that took them.
-using times_of_method =
-    std::function<std::map<std::string, frame_latency>(const method& what, std::size_t bits)>;
-
-/// A row for each candidate, and one more if it is tried in 8 bits; `latency` is the time by the instruction
-/// set `shown`. Throws tactnet::file_error for results of other classes.
+/// A row for each candidate, and one more if it is tried in 8 bits. Throws tactnet::file_error for results of
+/// other classes.
 std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
                                const std::vector<task>& tasks, const result_list& results,
-                               const times_of_method& times, const std::string& shown,
-                               const std::vector<code_size>& code = {});
+                               const time_of_method& time);
 
 /// What pictures show: random splits if there are any, else blocked ones.
 tactnet::split_rule shown_rule(const std::vector<study_row>& rows);

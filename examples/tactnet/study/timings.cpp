@@ -16,7 +16,6 @@
 #include <stopwatch.hpp>
 #include <string>
 #include <unistd.h>
-#include <utility>
 #include <vector>
 
 #if defined(__linux__)
@@ -155,39 +154,15 @@ void timing_list::read_on() {
     });
 }
 
-void timing_list::show_others() {
-    std::map<tactnet::file_metadata, std::size_t> counts;
-    for (const auto& [settings, latency] : all_)
-        ++counts[program_in(settings)];
-    std::size_t most = 0;
-    for (const auto& [program, count] : counts)
-        if (program.size() == shown_.size() && (count > most || (count == most && program == latest_))) {
-            most = count;
-            shown_ = program;
-            others_ = true;
-        }
+void timing_list::show_latest() {
+    others_ = !latest_.empty() && latest_ != shown_;
+    if (others_)
+        shown_ = latest_;
 }
 
 const frame_latency* timing_list::find(const method& what, std::size_t bits) const {
     const auto found = all_.find(key_of(what, bits, shown_));
     return found == all_.end() ? nullptr : &found->second;
-}
-
-std::map<std::string, frame_latency> timing_list::by_instruction_set(const method& what,
-                                                                     std::size_t bits) const {
-    constexpr const char* name = "instruction_set";
-    std::map<std::string, frame_latency> found;
-    const tactnet::file_metadata wanted = key_of(what, bits, shown_);
-    for (const auto& [settings, latency] : all_) {
-        tactnet::file_metadata here = settings;
-        const auto set = here.find(name);
-        if (set == here.end())
-            continue;
-        const std::string kept = std::exchange(set->second, wanted.at(name));
-        if (here == wanted)
-            found[kept] = latency;
-    }
-    return found;
 }
 
 void timing_list::add(const method& what, std::size_t bits, const frame_latency& found) {

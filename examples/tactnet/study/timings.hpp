@@ -47,12 +47,9 @@ public:
     void read_on();
     /// With weights of so many bits, by this program on this machine, or nothing.
     const frame_latency* find(const method& what, std::size_t bits) const;
-    /// By the same version and compiler on the same machine: by the name of the instruction set that a
-    /// program was compiled for.
-    std::map<std::string, frame_latency> by_instruction_set(const method& what, std::size_t bits) const;
-    /// From now on `find` and `by_instruction_set` show what another program or machine has measured: the one
-    /// with the most timings in the file, the latest among equals, if there are any.
-    void show_others();
+    /// From now on `find` has what the program measured that has written the last line, perhaps another
+    /// version or on another machine.
+    void show_latest();
     bool others() const { return others_; }
     /// Whose times are shown: processor, machine, compiler, version and instruction set.
     const tactnet::file_metadata& shown() const { return shown_; }

@@ -102,7 +102,7 @@ TEST_SUITE("program") {
             tactnet::confusion_matrix confusion(2);
             confusion.add(0, 0);
             confusion.add(1, 0);
-            plot_learning_curves(name, std::vector<titled_curve>{{name, history(true)}});
+            plot_learning_curves(name, name, history(true));
             CHECK(decode_error(name + ".png").empty());
             fs::remove(name + ".png");
             plot_confusion(name, name, confusion, {name, "other"});
@@ -116,7 +116,7 @@ TEST_SUITE("program") {
         for (const auto& entry : fs::recursive_directory_iterator("."))
             CHECK_MESSAGE(entry.path().filename().string().find("broken") != 0, entry.path().string());
         // Without validation there is nothing to measure the accuracy by.
-        plot_learning_curves("short", std::vector<titled_curve>{{"without validation", history(false)}});
+        plot_learning_curves("short", "without validation", history(false));
         CHECK(decode_error("short.png").empty());
         CHECK(!fs::exists("short.gp"));
         fs::current_path(before);

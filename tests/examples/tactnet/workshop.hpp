@@ -177,6 +177,12 @@ public:
         return result.error;
     }
 
+    /// The same of each of some arguments with their sentences.
+    void refuses_each(const std::vector<std::pair<words, std::string>>& list) const {
+        for (const auto& [arguments, sentence] : list)
+            refuses(arguments, sentence);
+    }
+
     std::set<std::string> everything() const {
         std::set<std::string> names;
         for (const auto& entry : fs::recursive_directory_iterator(work()))

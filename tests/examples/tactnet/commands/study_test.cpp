@@ -75,18 +75,12 @@ TEST_SUITE("program") {
         CHECK(page.ends_with("</html>\n"));
         for (const std::string_view part :
              {"tactnet4", "svm-linear", "tactnet::tactnet4&lt;tactnet::shape{7, 13}, 22&gt;",
-              "middle, of all", "<th>validation, %</th>", "Random against blocked splits",
-              "knows each class</h2>", "class=\"confusion\""})
+              "middle, of all", "<th>validation, %</th>", "knows each class</h2>", "class=\"confusion\""})
             says(page, part);
         for (const std::string_view foreign : {"src=", "href=\"http", "url(", "@import"})
             says_not(page, foreign);
-        if (fs::exists(shop / "s/accuracy_and_time.png")) { // where there is gnuplot
+        if (fs::exists(shop / "s/accuracy_and_time.png")) // where there is gnuplot
             says(page, "<svg");
-            CHECK(fs::exists(shop / "s/learning_curves.png"));
-        }
-        for (const std::string& line : lines_of(text_of(shop / "s/evaluation.jsonl")))
-            CHECK((line.find("\"curve\":[[") != std::string::npos) ==
-                  (line.find("\"network\":\"tactnet4\"") != std::string::npos));
 
         // Tables for a README, each between comments.
         const std::string tables = text_of(shop / "s/study.md");
@@ -176,36 +170,6 @@ TEST_SUITE("program") {
         says(shop.run(study("s --split random --report-only")).out, "not trained yet");
         const outcome none = shop.succeeds(study("s --split random --report-only --only-trained"));
         CHECK(text_of(shop / "s/study.csv").empty());
-        shop.refuses(study("s --report-only --shard 1/2"), "--shard excludes --report-only");
-    }
-
-    TEST_CASE("study: times of programs compiled for other instruction sets have columns of their own") {
-        const workshop shop;
-        const outcome timed = shop.succeeds(study("s --times-only"));
-        CHECK(!fs::exists(shop / "s/evaluation.jsonl"));
-        CHECK(!fs::exists(shop / "s/study.html"));
-        std::string lines = text_of(shop / "s/timings.jsonl");
-        REQUIRE(lines_of(lines).size() == 2);
-        shop.succeeds(study("s"));
-        CHECK(text_of(shop / "s/timings.jsonl") == lines); // not timed again
-        says_not(text_of(shop / "s/study.html"), "Other instruction sets");
-
-        // As another build would have written them, and one of another compiler, which is left out.
-        for (const std::string& line : lines_of(text_of(shop / "s/timings.jsonl"))) {
-            const std::string plain = plain_line(line);
-            lines += tactnet::with_checksum(with_member(plain, "instruction_set", "scalar_elsewhere")) +
-                     '\n' +
-                     tactnet::with_checksum(with_member(with_member(plain, "instruction_set", "simd_sse41"),
-                                                        "compiler", "another")) +
-                     '\n';
-        }
-        tactnet::write_file(shop / "s/timings.jsonl", lines);
-        shop.succeeds(study("s --report-only"));
-        const std::string page = text_of(shop / "s/study.html");
-        says(page, "Other instruction sets");
-        says(page, "<th>no vectors (elsewhere)</th>");
-        says_not(page, "sse41</th>");
-        shop.refuses(study("s --times-only --report-only"), "--report-only excludes --times-only");
     }
 
     TEST_CASE("study: trainings and times by other programs are reported as that, where there are none of "
@@ -248,17 +212,18 @@ TEST_SUITE("program") {
 
     TEST_CASE("study: what it cannot take is said") {
         const workshop shop;
-        shop.refuses(study("s --shard 3/2"),
-                     "--shard: expected a part of all such as 1/4, from 1 on, found '3/2'");
-        shop.refuses(study("s --shard 0/2"), "found '0/2'");
-        shop.refuses(study("s --shard +1/2"), "found '+1/2'");
-        shop.refuses(
-            study("s --pretrained resnet=x"),
-            "--pretrained: expected a network and its file, such as squeezenet=FILE, found 'resnet=x'");
-        shop.refuses("study --data DATA --methods tactnet5", "--methods: tactnet5 not in {");
-        shop.refuses("study --data DATA --sizes 1x1", "--sizes: 1x1 not in {");
-        shop.refuses(study("s --merge nowhere"),
-                     "--merge: expected a folder of results, found no nowhere/evaluation.jsonl");
+        shop.refuses_each({
+            {study("s --shard 3/2"), "--shard: expected a part of all such as 1/4, from 1 on, found '3/2'"},
+            {study("s --shard 0/2"), "found '0/2'"},
+            {study("s --shard +1/2"), "found '+1/2'"},
+            {study("s --pretrained resnet=x"),
+             "--pretrained: expected a network and its file, such as squeezenet=FILE, found 'resnet=x'"},
+            {"study --data DATA --methods tactnet5", "--methods: tactnet5 not in {"},
+            {"study --data DATA --sizes 1x1", "--sizes: 1x1 not in {"},
+            {study("s --merge nowhere"),
+             "--merge: expected a folder of results, found no nowhere/evaluation.jsonl"},
+            {study("s --report-only --shard 1/2"), "--shard excludes --report-only"},
+        });
     }
 
     TEST_CASE("recommend: the best network of a study within a budget, or why there is none") {

@@ -1,20 +1,12 @@
-// Means of sets, faults and unknown objects: what they are of, and how results keep them.
-
-#include <tactnet/io/file_error.hpp>
-#include <tactnet/io/safetensors/json_checksum.hpp>
-#include <tactnet/io/write_file.hpp>
+// Means of sets, faults and unknown objects: what they are of.
 
 #include <doctest/doctest.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <evaluation/decisions.hpp>
-#include <evaluation/results.hpp>
 #include <string>
-#include <support/files/temporary_folder.hpp>
 #include <vector>
-
-using namespace support;
 
 namespace {
 
@@ -132,36 +124,5 @@ TEST_SUITE("program") {
         CHECK(means.at("unknown_energy_accepted").value() == 0.5);
         CHECK(means.at("unknown_softmax_area").value() == 0.5); // all softmax outputs are a half
         CHECK(separation(no_logits, unknown, 2).empty());
-    }
-
-    TEST_CASE("result_list: means of decisions come back, and impossible ones are refused") {
-        const temporary_folder folder;
-        const auto path = folder / "evaluation.jsonl";
-        training_result made;
-        made.settings = {{"network", "net"}};
-        made.confusion = tactnet::confusion_matrix(1);
-        made.confusion.add(0, 0);
-        made.decisions = {{"set_size", {231, 220}}};
-        result_list(path).add(made);
-        const result_list read(path);
-        const decision_means& means = read.find(made.settings)->decisions;
-        REQUIRE(means.size() == 1);
-        CHECK(means.at("set_size").sum == 231);
-        CHECK(means.at("set_size").count == 220);
-        for (const std::string wrong : {"[1,0]", "[-1,2]", "[1]", "3", "[\"a\",2]", "[null,2]"}) {
-            tactnet::write_file(path, tactnet::with_checksum(
-                                          R"({"settings":{},"validation_accuracy":1,"training_accuracy":1,)"
-                                          R"("reflected_accuracy":null,"epochs":1,"seconds":1,"classes":1,)"
-                                          R"("confusion":[1],"decisions":{"set_size":)" +
-                                          wrong + "}}") +
-                                          '\n');
-            CHECK_THROWS_WITH_AS(result_list{path},
-                                 (path.string() +
-                                  ": line 1: expected a result of tactnet evaluate, found "
-                                  "'expected a sum from 0 and a count above 0, found " +
-                                  wrong + "'")
-                                     .c_str(),
-                                 tactnet::file_error);
-        }
     }
 }

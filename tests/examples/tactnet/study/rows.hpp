@@ -14,14 +14,6 @@ inline bool has(const std::string& text, std::string_view part) {
     return text.find(part) != std::string::npos;
 }
 
-/// That many epochs of a training.
-inline std::vector<tactnet::epoch_report> epochs(std::size_t count) {
-    std::vector<tactnet::epoch_report> all;
-    for (std::size_t e = 1; e <= count; ++e)
-        all.push_back({e, 0.1, 1.0 / static_cast<double>(e), 2.0 / static_cast<double>(e), 0.5});
-    return all;
-}
-
 /// A method with 20 random splits, timed.
 inline study_row studied(const std::string& method, double accuracy, double microseconds,
                          const std::string& recipe = "default") {

@@ -1,4 +1,5 @@
-// The rows of a study: the front, CSV and JSON lines, curves of results; and the paper's figures.
+// The rows of a study: the front, results as they are kept, CSV and JSON lines, tables, the page and
+// pictures.
 
 #include "rows.hpp"
 
@@ -17,6 +18,8 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <study/page.hpp>
+#include <study/pictures.hpp>
 #include <study/rows.hpp>
 #include <support/files/data_folder.hpp>
 #include <support/files/temporary_folder.hpp>
@@ -25,19 +28,25 @@
 #include <vector>
 
 using namespace support;
-using tactnet::epoch_report;
 using tactnet::split_rule;
 
 namespace {
 
-std::vector<std::string> front_of(const std::vector<study_row>& rows, split_rule rule = split_rule::random) {
-    std::vector<std::string> titles;
+using titles = std::vector<std::string>;
+
+titles front_of(const std::vector<study_row>& rows, split_rule rule = split_rule::random) {
+    titles found;
     for (const study_row* row : pareto_front(rows, rule))
-        titles.push_back(title_of(*row));
-    return titles;
+        found.push_back(title_of(*row));
+    return found;
 }
 
-using titles = std::vector<std::string>;
+std::string markdown(const std::vector<study_row>& rows) {
+    return study_markdown(rows, {"images", "program"});
+}
+std::string page(const std::vector<study_row>& rows) {
+    return study_page(rows, {}, {"images", "program"});
+}
 
 /// Lines of a CSV file without quotes, the head first.
 std::vector<std::vector<std::string>> cells_of(const std::filesystem::path& path) {
@@ -60,11 +69,15 @@ const published_result* find_title(std::string_view title, std::size_t rows, std
     return found == published_results.end() ? nullptr : &*found;
 }
 
-std::vector<std::size_t> numbers_of(const std::vector<epoch_report>& curve) {
-    std::vector<std::size_t> numbers;
-    for (const epoch_report& e : curve)
-        numbers.push_back(e.epoch);
-    return numbers;
+/// Counts by true class, then by recognised one.
+study_row confused(std::vector<std::string> classes, const std::vector<std::size_t>& counts) {
+    study_row row = studied("net", 0.9, 10);
+    row.confusion = tactnet::confusion_matrix(classes.size());
+    for (std::size_t i = 0; i < counts.size(); ++i)
+        for (std::size_t n = 0; n < counts[i]; ++n)
+            row.confusion.add(i / classes.size(), i % classes.size());
+    row.classes = std::move(classes);
+    return row;
 }
 
 } // namespace
@@ -77,19 +90,14 @@ TEST_SUITE("program") {
         CHECK(front_of({studied("slow", 0.9, 30), studied("best", 0.95, 20)}) == titles{"best 7x13"});
         // Not more accurate, but slower: it has no place there.
         CHECK(front_of({studied("first", 0.9, 10), studied("second", 0.9, 20)}) == titles{"first 7x13"});
-    }
-
-    TEST_CASE("pareto_front: of equal times the most accurate, and of equal methods the first") {
+        // Of equal times the most accurate, and of equal methods the first; two recipes take equally long.
         CHECK(front_of({studied("worse", 0.8, 10), studied("better", 0.9, 10), studied("last", 0.7, 10)}) ==
               titles{"better 7x13"});
-        // Two recipes of a method take equally long.
-        CHECK(front_of({studied("net", 0.8, 10, "default"), studied("net", 0.85, 10, "published")}) ==
+        CHECK(front_of({studied("net", 0.8, 10), studied("net", 0.85, 10, "published")}) ==
               titles{"net 7x13, published"});
-        CHECK(front_of({studied("net", 0.8, 10, "default"), studied("net", 0.8, 10, "published")}) ==
+        CHECK(front_of({studied("net", 0.8, 10), studied("net", 0.8, 10, "published")}) ==
               titles{"net 7x13"});
-    }
-
-    TEST_CASE("pareto_front: only of rows with all their splits and a time") {
+        // Only of rows with all their splits and a time.
         std::vector<study_row> rows{studied("whole", 0.8, 20), studied("few", 0.99, 10),
                                     studied("untimed", 0.99, 10), studied("blocked", 0.99, 10)};
         rows[1].accuracies.front().splits = 19;
@@ -98,6 +106,9 @@ TEST_SUITE("program") {
         rows.push_back(not_run("lost", "needs a file"));
         CHECK(front_of(rows) == titles{"whole 7x13"});
         CHECK(front_of(rows, split_rule::blocked) == titles{"blocked 7x13"});
+        // Pictures and tables show random splits if a row has any.
+        CHECK(shown_rule(rows) == split_rule::random);
+        CHECK(shown_rule({rows[3]}) == split_rule::blocked);
     }
 
     TEST_CASE("title_of: names 8 bits and a recipe other than the default") {
@@ -106,15 +117,6 @@ TEST_SUITE("program") {
         row.bits = 8;
         CHECK(title_of(row) == "net in 8 bits 7x13, thorough");
         CHECK(method_title(row) == "net in 8 bits");
-    }
-
-    TEST_CASE("shown_rule: random splits if a row has any") {
-        std::vector<study_row> rows{studied("net", 0.8, 10)};
-        CHECK(shown_rule(rows) == split_rule::random);
-        rows[0].accuracies.front().rule = split_rule::blocked;
-        CHECK(shown_rule(rows) == split_rule::blocked);
-        rows.push_back(studied("other", 0.8, 10));
-        CHECK(shown_rule(rows) == split_rule::random);
     }
 
     TEST_CASE("study_json_lines: a line a row with its checksum, null for what is not known") {
@@ -221,137 +223,44 @@ TEST_SUITE("program") {
         CHECK(find_published("tactnet6", 9, 16) == nullptr);
     }
 
-    TEST_CASE("curve_of: at most 60 epochs, round numbers apart") {
-        CHECK(curve_of({}).empty());
-        CHECK(numbers_of(curve_of(epochs(3))) == std::vector<std::size_t>{1, 2, 3});
-        const std::pair<std::size_t, std::size_t> steps[] = {
-            {60, 1}, {61, 2}, {110, 2}, {121, 5}, {300, 5}, {301, 10}, {1000, 20}, {1201, 50}, {10'000, 200}};
-        for (const auto& [epoch_count, step] : steps) {
-            const std::size_t count = epoch_count; // Clang 14 captures no structured binding
-            CAPTURE(count);
-            const std::vector<std::size_t> kept = numbers_of(curve_of(epochs(count)));
-            CHECK(kept.size() <= 60);
-            CHECK(kept.front() == step);
-            CHECK(kept.back() == count / step * step);
-            CHECK(kept.size() == count / step);
-        }
-    }
-
-    TEST_CASE("mean_curve: of trainings that were still at work, at epochs that all of them have") {
-        CHECK(mean_curve({}).empty());
-        CHECK(mean_curve({{}, {}}).empty());
-        std::vector<std::vector<epoch_report>> trainings{epochs(4), epochs(2)};
-        trainings[1][1].loss = 1.5;
-        const std::vector<epoch_report> mean = mean_curve(trainings);
-        CHECK(numbers_of(mean) == std::vector<std::size_t>{1, 2, 3, 4});
-        CHECK(mean[0].loss == 1);
-        CHECK(mean[1].loss == 1); // of 0.5 and 1.5
-        CHECK(mean[2].loss == 1.0 / 3);
-        CHECK(mean[1].validation_loss == 1);
-        CHECK(mean[1].validation_accuracy == 0.5);
-        // One of 120 epochs has every second, one of 60 each: both have every second.
-        const auto unlike = mean_curve({curve_of(epochs(120)), curve_of(epochs(60))});
-        CHECK(unlike.size() == 60);
-        CHECK(unlike.front().epoch == 2);
-    }
-
-    TEST_CASE("result_list: a curve comes back to four digits, and support vector machines have none") {
+    TEST_CASE("result_list: a result comes back as it was") {
         const temporary_folder folder;
         const auto path = folder / "evaluation.jsonl";
         training_result made;
-        made.settings = {{"network", "net"}};
+        made.settings = {{"network", "machine"}};
         made.confusion = tactnet::confusion_matrix(2);
-        made.confusion.add(0, 0);
+        made.confusion.add(0, 1);
         result_list(path).add(made);
         const std::string before = text_of(path);
-        CHECK(!has(before, "curve"));
-        CHECK(result_list(path).all().begin()->second.curve.empty());
-
-        CHECK(std::isnan(result_list(path).all().begin()->second.reflected_accuracy));
-
-        made.settings["network"] = "other";
+        made.settings["network"] = "net";
         made.reflected_accuracy = 0.75;
-        made.curve = {{1, 0.1, 1.0 / 3, std::nan(""), std::nan("")}, {2, 0.1, 1e-7 / 3, 2.0 / 3, 1}};
-        result_list(path).add(made);
-        CHECK(text_of(path).starts_with(before));
-        const result_list read(path);
-        CHECK(read.find(made.settings)->reflected_accuracy == 0.75);
-        const auto& curve = read.find(made.settings)->curve;
-        REQUIRE(curve.size() == 2);
-        CHECK(curve[0].epoch == 1);
-        CHECK(curve[0].loss == 0.3333);
-        CHECK(std::isnan(curve[0].validation_loss));
-        CHECK(std::isnan(curve[0].validation_accuracy));
-        CHECK(curve[1].loss == 3.333e-08);
-        CHECK(curve[1].validation_loss == 0.6667);
-        CHECK(curve[1].validation_accuracy == 1);
-
-        const std::string line =
-            R"({"settings":{},"validation_accuracy":1,"training_accuracy":1,"reflected_accuracy":null,)"
-            R"("epochs":1,"seconds":1,"classes":1,"confusion":[1],"curve":[[1,0.5,0.5]]})";
-        tactnet::write_file(path, tactnet::with_checksum(line) + '\n');
-        CHECK_THROWS_WITH_AS(result_list{path},
-                             (path.string() + ": line 1: expected a result of tactnet evaluate, found "
-                                              "'expected 4 numbers of an epoch, found [1,0.5,0.5]'")
-                                 .c_str(),
-                             tactnet::file_error);
-    }
-
-    TEST_CASE("result_list: bins of probabilities come back, and impossible ones are refused") {
-        const temporary_folder folder;
-        const auto path = folder / "evaluation.jsonl";
-        training_result made;
-        made.settings = {{"network", "net"}};
-        made.confusion = tactnet::confusion_matrix(1);
-        made.confusion.add(0, 0);
-        result_list(path).add(made);
-        CHECK_FALSE(result_list(path).find(made.settings)->calibration);
-        made.settings["network"] = "other";
         made.calibration.emplace();
         made.calibration->scaling.temperature = 2.0 / 3;
         made.calibration->before.add(0.7, true);
         made.calibration->before.add(0.72, false);
         made.calibration->after.add(1.0 / 3, true);
+        made.decisions = {{"set_size", {231, 220}}};
         result_list(path).add(made);
-        const auto read = result_list(path).find(made.settings)->calibration;
-        REQUIRE(read.has_value());
-        CHECK(read->scaling.temperature == 2.0 / 3);
-        CHECK(read->before.bins()[10].count == 2);
-        CHECK(read->before.bins()[10].right == 1);
-        CHECK(read->before.calibration_error() == doctest::Approx(0.21));
-        CHECK(read->before.brier_score() == doctest::Approx((0.09 + 0.72 * 0.72) / 2));
-        CHECK(read->after.calibration_error() == doctest::Approx(2.0 / 3));
+        CHECK(text_of(path).starts_with(before));
 
-        const std::string bins = "[[2,1,1.42,0.6]" + [] {
-            std::string others;
-            for (int b = 1; b < 15; ++b)
-                others += ",[0,0,0.0,0.0]";
-            return others;
-        }() + "]";
-        const auto error_of = [&](const std::string& temperature, const std::string& after) -> std::string {
-            const std::string line =
-                R"({"settings":{},"validation_accuracy":1,"training_accuracy":1,"reflected_accuracy":null,)"
-                R"("epochs":1,"seconds":1,"classes":1,"confusion":[1],"calibration":{"temperature":)" +
-                temperature + ",\"before\":" + bins + ",\"after\":" + after + "}}";
-            tactnet::write_file(path, tactnet::with_checksum(line) + '\n');
-            try {
-                result_list{path};
-            } catch (const tactnet::file_error& error) {
-                return error.what();
-            }
-            return "";
-        };
-        const auto with = [&](const std::string& first) {
-            return '[' + first + bins.substr(std::string_view("[[2,1,1.42,0.6]").size());
-        };
-        CHECK(error_of("0.5", bins).empty());
-        for (const char* wrong : {"0", "-1", "null", "\"1\""})
-            CHECK(has(error_of(wrong, bins), "expected a result of tactnet evaluate, found"));
-        for (const char* wrong : {"[2,3,1.4,0.6]", "[2,1,2.4,0.6]", "[2,1,-0.1,0.6]", "[2,1,1.4,2.1]",
-                                  "[2,1,1.4]", "[-2,1,1.4,0.6]", "[2,1,null,0.6]"})
-            CHECK_MESSAGE(has(error_of("0.5", with(wrong)), "expected a result of tactnet evaluate, found"),
-                          wrong);
-        CHECK(has(error_of("0.5", "[]"), "expected 15 bins of probabilities"));
+        const result_list read(path);
+        const training_result &machine = *read.find({{"network", "machine"}}),
+                              &net = *read.find(made.settings);
+        CHECK(std::isnan(machine.reflected_accuracy));
+        CHECK_FALSE(machine.calibration);
+        CHECK(machine.decisions.empty());
+        CHECK(machine.confusion.count(0, 1) == 1);
+        CHECK(machine.confusion.total() == 1);
+        CHECK(net.reflected_accuracy == 0.75);
+        REQUIRE(net.calibration.has_value());
+        CHECK(net.calibration->scaling.temperature == 2.0 / 3);
+        CHECK(net.calibration->before.bins()[10].count == 2);
+        CHECK(net.calibration->before.bins()[10].right == 1);
+        CHECK(net.calibration->before.calibration_error() == doctest::Approx(0.21));
+        CHECK(net.calibration->before.brier_score() == doctest::Approx((0.09 + 0.72 * 0.72) / 2));
+        CHECK(net.calibration->after.calibration_error() == doctest::Approx(2.0 / 3));
+        CHECK(net.decisions.at("set_size").sum == 231);
+        CHECK(net.decisions.at("set_size").count == 220);
     }
 
     TEST_CASE(
@@ -373,15 +282,180 @@ TEST_SUITE("program") {
         CHECK(list.find_elsewhere(wanted) == nullptr);
     }
 
-    TEST_CASE("result_list: a line without a checksum is refused") {
-        const temporary_folder folder;
-        const auto path = folder / "evaluation.jsonl";
-        tactnet::write_file(path, std::string("{}\n"));
-        CHECK_THROWS_WITH_AS(result_list{path},
-                             (path.string() +
-                              ": line 1: expected a result of tactnet evaluate, found 'a line "
-                              "without a checksum'")
-                                 .c_str(),
-                             tactnet::file_error);
+    TEST_CASE("study_markdown: tables between comments, with the reasons of missing rows") {
+        std::vector<study_row> rows{studied("net|a", 0.875, 10), not_run("lost", "needs a file")};
+        rows[0].accuracies.front().wanted = 25;
+        CHECK(!has(markdown(rows), "study front")); // not all of its splits are there
+        const std::string text = markdown(rows);
+        CHECK(has(text, "<!-- study methods -->\n| method |"));
+        CHECK(has(text, "| net\\|a | 7 × 13 | default | 87.50 ± 1.00 (20 of 25) | |"));
+        CHECK(has(text, "\n\n- lost 28x50: needs a file\n<!-- study methods ends -->\n"));
+    }
+
+    TEST_CASE("study_page: names that would be HTML are text") {
+        const std::string markup = "<b>&\"it\"", as_text = "&lt;b&gt;&amp;&quot;it&quot;";
+        std::vector<study_row> rows{studied("fast" + markup, 0.8, 10), studied("best" + markup, 0.9, 20),
+                                    not_run("lost" + markup, "why" + markup)};
+        rows[1].declaration = "own::net<shape{7, 13}, 3>" + markup;
+        rows[1].classes = {"key" + markup, "ball", "arm"};
+        rows[1].confusion = tactnet::confusion_matrix(3);
+        for (std::size_t c = 0; c < 3; ++c)
+            rows[1].confusion.add(c, (c + 1) % 3);
+        const std::string text = study_page(
+            rows, {{"caption" + markup, "<?xml version=\"1.0\"?>\n<svg>drawn</svg>"}, {"none", ""}},
+            {"images" + markup, "program" + markup});
+        CHECK(!has(text, markup));
+        for (const char* name : {"fast", "best", "lost", "<code>own::net&lt;shape{7, 13}, 3&gt;", "key",
+                                 "why", "caption", "images", "program"})
+            CHECK_MESSAGE(has(text, name + as_text), name);
+        CHECK(has(text, "<figure><svg>drawn</svg><figcaption>caption"));
+        CHECK(!has(text, "none</figcaption>"));
+        CHECK(text.starts_with("<!DOCTYPE html>"));
+        CHECK(text.ends_with("</html>\n"));
+    }
+
+    TEST_CASE("html_table: a matrix of counts shows their share of the row") {
+        const std::string text = html_table({{"", "a", "b"}, {"a", "3", "1"}, {"b", "", ""}}, true);
+        CHECK(has(text, "<tr><th>a</th><td style=\"background:rgba(var(--mark),0.700)\">3</td>"));
+        CHECK(has(text, "<tr><th>b</th><td></td><td></td></tr>"));
+    }
+
+    TEST_CASE("study_rows: the mean over reflections follows the mean of images as they are") {
+        std::vector<study_row> rows{studied("net", 0.875, 10)};
+        CHECK(!has(page(rows), "90.50 ± 0.75"));
+        rows[0].accuracies.front().reflected = {0.905, 0.0075};
+        rows[0].accuracies.front().reflected_splits = 12;
+        CHECK(has(page(rows), "<td>90.50 ± 0.75 (12)</td>"));
+        CHECK(has(markdown(rows), "| 87.50 ± 1.00 (20) | 90.50 ± 0.75 (12) |"));
+        CHECK(has(study_csv(rows), ",12,0.905,0.0075,"));
+    }
+
+    TEST_CASE("study_rows: how sure networks are, before and after a temperature") {
+        std::vector<study_row> rows{studied("net", 0.875, 10), studied("machine", 0.5, 1)};
+        CHECK(!has(markdown(rows), "study probabilities"));
+        rows[0].probabilities.emplace();
+        rows[0].probabilities->scaling.temperature = 0.654;
+        rows[0].probabilities->before.add(0.5, true);
+        rows[0].probabilities->after.add(0.9, true);
+        const std::string text = markdown(rows);
+        CHECK(has(text, "| net | 7 × 13 | default | 0.65 | 50.00 | 10.00 | 0.2500 | 0.0100 |"));
+        CHECK(!has(text, "| machine | 7 × 13 | default | 0"));
+        CHECK(has(study_csv(rows), ",temperature,softmax_calibration_error,softmax_brier_score,"
+                                   "calibration_error,brier_score,"));
+    }
+
+    TEST_CASE("study_rows: sets of classes, faults of the sensor and unknown objects") {
+        std::vector<study_row> rows{studied("net", 0.875, 10), studied("machine", 0.5, 1)};
+        CHECK(!has(markdown(rows), "study decisions"));
+        rows[0].decisions = {{"set_coverage", {19, 20}}, {"set_size", {21, 20}}};
+        add_means(rows[0].decisions, {{"set_size", {24, 20}}, {"stuck_row_accuracy", {1, 8}}});
+        const std::string text = markdown(rows);
+        CHECK(has(text, "| net | 7 × 13 | default | 95.00 | 1.125 | 12.50 |"));
+        CHECK(has(page(rows), "<h2>From frames to decisions</h2>"));
+        const std::string csv = study_csv(rows);
+        CHECK(has(csv, ",set_coverage,set_size,stuck_row_accuracy,stuck_row_corrected_accuracy,"));
+        CHECK(has(csv, ",0.95,1.125,0.125,,"));
+        CHECK(has(study_json_lines(rows), "\"set_size\":1.125,\"stuck_row_accuracy\":0.125"));
+    }
+
+    TEST_CASE("study_markdown: a table of the memory of networks, once for all recipes") {
+        study_row known = studied("net", 0.9, 10), thorough = studied("net", 0.95, 10, "thorough");
+        known.costs.parameter_bytes = 1234;
+        known.costs.activation_bytes = 5678;
+        CHECK(!has(markdown({known}), "<!-- study memory -->")); // of what is no single type
+        known.declaration = thorough.declaration = "own::net";
+        const std::string text = markdown({known, studied("other", 0.8, 5), thorough});
+        const std::size_t begin = text.find("<!-- study memory -->");
+        const std::string memory = text.substr(begin, text.find("<!-- study memory ends", begin) - begin);
+        CHECK(memory.ends_with("| net | 7 × 13 | 1 234 | 5 678 |\n"));
+        CHECK(!has(memory, "other"));
+        CHECK(!has(memory, "thorough"));
+    }
+
+    TEST_CASE("study_page: says over which splits its figures are") {
+        std::vector<study_row> rows{studied("fast", 0.8, 10), confused({"a", "b"}, {3, 0, 1, 2})};
+        CHECK(has(page(rows), "more accurate, over random splits."));
+        CHECK(has(page(rows), "all random splits together"));
+        for (study_row& row : rows)
+            row.accuracies.front().rule = split_rule::blocked;
+        CHECK(has(page(rows), "more accurate, over blocked splits."));
+        CHECK(has(page(rows), "all blocked splits together"));
+    }
+
+    TEST_CASE("class_rates: sensitivity along a class's images, precision along what is taken for it") {
+        const study_row row = confused({"arm", "ball", "key"}, {8, 2, 0, //
+                                                                1, 9, 0, //
+                                                                0, 3, 7});
+        const std::vector<class_rate> rates = class_rates(row);
+        REQUIRE(rates.size() == 3);
+        CHECK(rates[0].name == "ball"); // 9 of the 14 that are taken for one
+        CHECK(rates[0].precision == 9.0 / 14);
+        CHECK(rates[0].sensitivity == 0.9);
+        CHECK(rates[0].taken_for == "arm");
+        CHECK(rates[0].times == 1);
+        CHECK(rates[1].name == "key");
+        CHECK(rates[1].sensitivity == 0.7);
+        CHECK(rates[1].precision == 1);
+        CHECK(rates[1].taken_for == "ball");
+        CHECK(rates[1].times == 3);
+        CHECK(rates[2].name == "arm");
+        CHECK(rates[2].sensitivity == 0.8);
+        CHECK(rates[2].precision == 8.0 / 9);
+        CHECK(rates[2].images == 10);
+        const std::string text = markdown({row});
+        CHECK(has(text, "## How well net 7x13 knows each class\n"));
+        CHECK(has(text, "| key | 10 | 70.0 | 100.0 | ball, 3 of 10 |\n"));
+        CHECK(has(text, "| key | | 3 | 7 |\n")); // the confusion matrix
+    }
+
+    TEST_CASE("class_rates: classes without images, or that nothing is taken for") {
+        const study_row row = confused({"none", "never", "sure"}, {0, 0, 0, //
+                                                                   0, 0, 5, //
+                                                                   0, 0, 5});
+        const std::vector<class_rate> rates = class_rates(row);
+        CHECK(rates[0].name == "never");
+        CHECK(rates[0].sensitivity == 0);
+        CHECK(std::isnan(rates[0].precision));
+        CHECK(rates[1].name == "sure");
+        CHECK(rates[1].taken_for.empty());
+        CHECK(rates[2].name == "none"); // nothing is known of it
+        CHECK(std::isnan(rates[2].worst()));
+        const std::string text = markdown({row});
+        CHECK(has(text, "| none | 0 | | | |\n"));
+        CHECK(!has(text, "nan"));
+    }
+
+    TEST_CASE("study_pictures: methods by family, and the Pareto front with names that do not overlap") {
+        std::vector<study_row> rows{studied("net", 0.9, 10), studied("svm, own", 0.95, 20),
+                                    studied("near", 0.951, 30), studied("untimed", 0.99, 5)};
+        rows[1].family = method_family::machines;
+        rows[3].latency.reset();
+        const std::string csv = study_pictures(rows).front().csv;
+        CHECK(csv.starts_with(
+            "series,x,accuracy,deviation,words\n"
+            "touches,10.0,90.0,1.0,net 7x13\\ndefault recipe\\n90.00 ± 1.00 % over 20 random "
+            "splits\\n10.0 µs per frame\n"
+            "machines,20.0,95.0,1.0,svm; own 7x13\\n")); // no comma: gnuplot ends a text there
+        CHECK(has(csv,
+                  "\nfront,30.0,95.1,0.0,near 7x13\nnames,30.0,95.1,0.0,near 7x13\nfront,20.0,95.0,0.0,svm; "
+                  "own 7x13\nfront,10.0,90.0,0.0,net 7x13\nnames,10.0,90.0,0.0,net 7x13\n"));
+        CHECK(!has(csv, "untimed"));
+        CHECK(!has(csv, "paper"));
+        rows[0].published = find_published("tactnet6", 28, 50);
+        CHECK(has(study_pictures(rows).front().csv, "\npaper,103000.0,95.02,1.33,the paper: TactNet-6\\n"));
+    }
+
+    TEST_CASE("study_pictures: tactels where a method was tried at several sizes") {
+        std::vector<study_row> rows{studied("net", 0.8, 10), studied("net", 0.9, 10),
+                                    studied("once", 0.9, 10)};
+        CHECK(study_pictures(rows).size() == 1);
+        rows[1].rows = 28, rows[1].columns = 50;
+        const auto pictures = study_pictures(rows);
+        REQUIRE(pictures.size() == 2);
+        CHECK(pictures[1].name == "accuracy_and_tactels");
+        CHECK(pictures[1].series == std::vector<std::string>{"net default"});
+        CHECK(has(pictures[1].csv, "\nnet default,91.0,80.0,1.0,"));
+        CHECK(has(pictures[1].csv, "\nnet default,1400.0,90.0,1.0,"));
+        CHECK(!has(pictures[1].csv, "once"));
     }
 }
