@@ -29,23 +29,22 @@ TEST_SUITE("program") {
         says(text_of(shop / "other.hpp"), "\nnamespace gripper::left {\ninline namespace TACTNET_ARCH {\n");
         says(text_of(shop / "other.hpp"), "inline const recogniser_type::packed_weights packed");
 
-        shop.refuses("export --weights net", "--output is required");
-        shop.refuses("export --weights net --output x.hpp --packing never", "--packing");
-        shop.refuses("export --weights net --output x.hpp --namespace a-b",
-                     "--namespace: expected a name such as gripper or gripper::tactile, found 'a-b'");
-        for (const std::string name : {"NULL", "EOF", "assert", "posix", "main"})
-            shop.refuses({"export", "--weights", "net", "--output", "x.hpp", "--namespace", name},
-                         "found '" + name + "'");
-        shop.refuses({"export", "--weights", "net", "--output", "x.hpp", "--classes", ""},
-                     "--classes: expected a file or a folder of names, found ''");
         tactnet::write_file(shop / "names", std::string("one\ntw\x1B[31mo\nthree\n"));
-        shop.refuses("export --weights net --output x.hpp --classes names",
-                     "names: name 2: expected a name without control characters, found 'tw\\x1b[31mo'");
         REQUIRE(::mkfifo((shop / "pipe").c_str(), 0600) == 0);
-        shop.refuses("export --weights net --output pipe", "expected a regular file, found a named pipe");
-        shop.refuses("export --weights nothing --output x.hpp",
-                     "nothing: expected a file, found nothing of that name");
-        shop.refuses("export --weights net --output out", "found a folder");
+        shop.refuses_each({
+            {"export --weights net", "--output is required"},
+            {"export --weights net --output x.hpp --packing never", "--packing: never not in {"},
+            {"export --weights net --output x.hpp --namespace a-b",
+             "--namespace: expected a name such as gripper or gripper::tactile, found 'a-b'"},
+            {{"export", "--weights", "net", "--output", "x.hpp", "--classes", ""},
+             "--classes: expected a file or a folder of names, found ''"},
+            {"export --weights net --output x.hpp --classes names",
+             "names: name 2: expected a name without control characters, found 'tw\\x1b[31mo'"},
+            {"export --weights net --output pipe", "expected a regular file, found a named pipe"},
+            {"export --weights nothing --output x.hpp",
+             "nothing: expected a file, found nothing of that name"},
+            {"export --weights net --output out", "found a folder"},
+        });
         tactnet::write_file(shop / "cut", std::string_view(text).substr(0, 100));
         shop.refuses("export --weights cut --output out/net.hpp", "cut: ");
         CHECK(text_of(shop / "out/net.hpp") == text);

@@ -1,4 +1,4 @@
-// tactnet list, and the default method of the commands.
+// tactnet list.
 
 #include "../workshop.hpp"
 
@@ -21,11 +21,5 @@ TEST_SUITE("program") {
         says(shop.succeeds("list --classes 3").out, " 6 323 ");
         says(shop.succeeds("list --help").out, "2 to 22");
         shop.refuses("list --classes 23", "--classes: expected a whole number from 2 to 22, found '23'");
-    }
-
-    TEST_CASE("train: the default method is one that was compiled in") {
-        const workshop shop;
-        const bool has_tactnet6 = shop.run("list").out.find("\ntactnet6 ") != std::string::npos;
-        says(shop.succeeds("train --help").out, has_tactnet6 ? "=tactnet6 " : "=tactnet4 ");
     }
 }

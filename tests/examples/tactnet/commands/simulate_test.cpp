@@ -41,13 +41,13 @@ TEST_SUITE("program") {
         fs::remove(shop / "one" / "rock" / "00002.png");
         CHECK(simulate("one", {}).status == 0);
         CHECK(text_of(shop / "one" / "rock" / "00002.png") == text_of(shop / "three" / "rock" / "00002.png"));
-        shop.refuses("simulate --out one --per-class 3", "expected images of the same simulation");
-        shop.refuses("simulate --out DATA", "expected a new folder, an empty one");
-        shop.refuses({"simulate", "--out", ""}, "found no name");
-        shop.refuses("simulate --out one/simulation.json/in", "expected to make the folder");
-        shop.refuses("simulate --out new --seed -1", "--seed");
-        shop.refuses("simulate --out new --per-class 0", "--per-class");
-        shop.refuses("simulate --out new --scene none", "--scene");
+        shop.refuses_each({
+            {"simulate --out one --per-class 3", "expected images of the same simulation"},
+            {"simulate --out DATA", "expected a new folder, an empty one"},
+            {{"simulate", "--out", ""}, "found no name"},
+            {"simulate --out one/simulation.json/in", "expected to make the folder"},
+            {"simulate --out new --scene none", "--scene: none not in {"},
+        });
         // A note that is cut short, or of levels without end, which would take a stack without end.
         for (const std::string& note : {std::string("{\"scene\": "), std::string(100'000, '['),
                                         std::string(100'000, '[') + std::string(100'000, ']')}) {

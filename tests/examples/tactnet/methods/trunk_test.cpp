@@ -1,0 +1,359 @@
+// Support vector machines and heads on features of networks that were trained on photographs.
+
+#include "photograph_networks.hpp"
+
+#include <tactnet/io/safetensors/source.hpp>
+#include <tactnet/io/write_file.hpp>
+#include <tactnet/networks.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <files/claims.hpp>
+#include <iterator>
+#include <limits>
+#include <string>
+#include <support/files/data_folder.hpp>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+using namespace support;
+using tactnet::element_type;
+using tactnet::shape;
+
+namespace {
+
+using squeezenet = tactnet::squeezenet1_1_trunk<shape{227, 227, 3}>;
+using extents = std::vector<std::size_t>;
+
+/// Trained, saved, tested and used, from a file by torchvision's names to a file that needs it no more.
+template <class Network>
+void check_from_end_to_end(const std::string& method, element_type type) {
+    const workshop shop;
+    if (!knows(shop, method))
+        return;
+    CAPTURE(method);
+    keep_images(shop, 3);
+    write_pretrained<Network>(shop / "pretrained", type);
+    const outcome trained =
+        shop.succeeds(training(shop, method, "net", "--validation 0 --test 0.3 --self-test 1"));
+    says(trained.error, "features of 9 of 9 images");
+    CHECK_FALSE(fs::exists(shop / "net.features"));
+    {
+        const auto file = tactnet::safetensors_source::open(shop / "net");
+        CHECK(file.metadata().at("network") == method);
+        CHECK(file.metadata().count("pretrained") == 1);
+        for (const tactnet::parameter& p : Network::describe()) {
+            const auto& array = file.at("trunk." + p.name);
+            CHECK(array.extents == p.extents);
+            CHECK(array.type == type);
+        }
+        CHECK_FALSE(file.contains("trunk.classifier.6.bias"));
+        CHECK(file.contains(method.ends_with("-nn") ? "selftest.logits" : "selftest.values"));
+    }
+    fs::remove(shop / "pretrained");
+    CHECK(lines_of(shop.succeeds("classify --weights net IMAGE IMAGE").out).size() == 2);
+    const outcome tested = shop.succeeds("evaluate --weights net --data DATA --results r");
+    CHECK(text_of(shop / "r/confusion_net.csv") == text_of(shop / "net.confusion.csv"));
+}
+
+std::string only_file_in(const fs::path& folder) {
+    REQUIRE(std::distance(fs::directory_iterator(folder), fs::directory_iterator()) == 1);
+    return fs::directory_iterator(folder)->path().string();
+}
+
+void double_all(std::vector<float>& values) {
+    for (float& value : values)
+        value *= 2;
+}
+
+} // namespace
+
+TEST_SUITE("program") {
+    TEST_CASE("trunk: every method, from pretrained weights to one file") {
+        for (const char* method :
+             {"squeezenet-svm", "squeezenet-pooled-svm", "squeezenet-pooled-rbf", "squeezenet-pooled-nn"})
+            check_from_end_to_end<squeezenet>(method, element_type::float32);
+        for (const char* method : {"alexnet-svm", "alexnet-fc7-nn"})
+            check_from_end_to_end<tactnet::alexnet_fc7<shape{224, 224, 3}>>(method, element_type::float16);
+        for (const char* method : {"resnet50-svm", "resnet50-fc1000-nn"})
+            check_from_end_to_end<tactnet::resnet50<shape{224, 224, 3}>>(method, element_type::float16);
+        for (const char* method : {"vgg16-svm", "vgg16-fc6-nn"})
+            check_from_end_to_end<tactnet::vgg16_fc6<shape{224, 224, 3}>>(method, element_type::float16);
+    }
+
+    TEST_CASE("trunk: stopped while features are found and run again, the same bits") {
+        const workshop shop;
+        if (!knows(shop, "squeezenet-pooled-rbf"))
+            return;
+        write_pretrained<squeezenet>(shop / "pretrained");
+        const auto arguments = [&](const char* output, const char* threads) {
+            return training(shop, "squeezenet-pooled-rbf", output, {"--threads", threads});
+        };
+        shop.succeeds(arguments("whole", "3"));
+        for (const int signal : {SIGINT, SIGKILL}) {
+            CAPTURE(signal);
+            const pid_t child = shop.start(arguments("net", "1"));
+            std::error_code none;
+            // 16 images pass together: some are there, others are not yet.
+            for (int i = 0; i < 60'000; ++i) {
+                const auto size = fs::file_size(shop / "net.features", none);
+                if (!none && size > 1024 * sizeof(float))
+                    break;
+                std::this_thread::sleep_for(std::chrono::milliseconds(2));
+            }
+            const outcome stopped = shop.stop(child, signal);
+            CHECK(stopped.status == (signal == SIGINT ? 130 : 1000 + SIGKILL));
+            if (signal == SIGINT)
+                says(stopped.error, "stopped; the same command goes on with what is left, from net.features");
+            CHECK_FALSE(fs::exists(shop / "net"));
+            CHECK(fs::file_size(shop / "net.features") < 36 * 1024 * sizeof(float));
+        }
+        shop.succeeds(arguments("net", "2"));
+        CHECK(text_of(shop / "net") == text_of(shop / "whole"));
+        CHECK_FALSE(fs::exists(shop / "net.features"));
+
+        // Someone else's file of that name is not touched.
+        tactnet::write_file(shop / "net.features", std::string_view("mine"));
+        shop.refuses(arguments("net", "1"),
+                     "net.features: expected a file of features, or none, found another file");
+        CHECK(text_of(shop / "net.features") == "mine");
+    }
+
+    TEST_CASE("trunk: a head that was stopped between epochs goes on, the same bits") {
+        const workshop shop;
+        if (!knows(shop, "squeezenet-pooled-nn"))
+            return;
+        keep_images(shop, 4);
+        write_pretrained<squeezenet>(shop / "pretrained");
+        const auto arguments = [&](const char* output, const words& more) {
+            return training(shop, "squeezenet-pooled-nn", output,
+                            words("--epochs 400 --checkpoint-every 1e-9") + more);
+        };
+        shop.succeeds(arguments("whole", "--threads 2"));
+        const auto stop_at = [&](const char* file, int signal) {
+            const pid_t child = shop.start(arguments("net", {}));
+            shop.wait_for_file(file);
+            const outcome stopped = shop.stop(child, signal);
+            REQUIRE_FALSE(fs::exists(shop / "net"));
+            return stopped.error;
+        };
+        says(stop_at("net.features", SIGINT),
+             "the same command goes on with what is left, from net.features");
+        CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
+        stop_at("net.checkpoint", SIGKILL);
+        // What another training cannot go on from it does not touch.
+        const std::string kept = text_of(shop / "net.features");
+        fs::rename(shop.image(), shop / "away.png");
+        const outcome refused = shop.run(arguments("net", {"--resume"}));
+        fs::rename(shop / "away.png", shop.image());
+        CHECK(refused.status == 2);
+        says(refused.error, "net.checkpoint: setting 'data' of the stopped training: expected '");
+        CHECK(text_of(shop / "net.features") == kept);
+        says_not(shop.succeeds(arguments("net", {"--resume"})).error, "features of");
+        CHECK(text_of(shop / "net") == text_of(shop / "whole"));
+        for (const char* gone : {"net.features", "net.checkpoint"})
+            CHECK_FALSE(fs::exists(shop / gone));
+        CHECK(fs::exists(shop / "net.learning.csv"));
+    }
+
+    TEST_CASE("trunk: features are found once for all splits and methods, and anew where damaged") {
+        const workshop shop;
+        if (!knows(shop, "squeezenet-pooled-svm"))
+            return;
+        keep_images(shop, 5);
+        write_pretrained<squeezenet>(shop / "pretrained");
+        const auto arguments = [](const char* methods, const words& more) {
+            return words{"evaluate", "--method", methods} +
+                   "--data DATA --rows 7 --columns 13 --splits 2 --pretrained pretrained" + more;
+        };
+        const auto evaluate = [&](const char* methods, const words& more = "--jobs 2") {
+            return shop.succeeds(arguments(methods, more));
+        };
+        const auto finds = [](const outcome& result) {
+            return result.error.find("SqueezeNet 1.1 features of") != std::string::npos;
+        };
+        const auto results = [&] { // a line each, in the order of their ends, with times in them
+            std::vector<std::string> lines;
+            for (const std::string& line : lines_of(text_of(shop / "results/evaluation.jsonl")))
+                lines.push_back(line.substr(0, line.find(",\"seconds\"")) +
+                                line.substr(line.find(",\"classes\""), line.find(']') - line.find(",\"cla")));
+            std::sort(lines.begin(), lines.end());
+            return lines;
+        };
+        // Those that need no such file take part.
+        const char* const all = "squeezenet-pooled-svm,squeezenet-pooled-nn,svm-linear";
+        CHECK(finds(evaluate(all)));
+        const std::string file = only_file_in(shop / "results/features"), whole = text_of(file);
+        const auto first = results();
+        CHECK(first.size() == 12);
+        // What a killed program has locked goes.
+        const fs::path lock = shop / "results/features/.tactnet-0123456789abcdef.lock";
+        tactnet::write_file(lock, "");
+        // Nothing is left to do; then another machine on the same features; then all again, one by one.
+        CHECK_FALSE(finds(evaluate(all)));
+        CHECK_FALSE(fs::exists(lock));
+        CHECK_FALSE(finds(evaluate("squeezenet-pooled-rbf")));
+        CHECK_FALSE(finds(evaluate(all, "--jobs 1 --afresh")));
+        CHECK(results() == first);
+        CHECK(text_of(file) == whole);
+
+        const auto evaluate_damaged = [&](std::size_t place, const std::string& sentence) {
+            std::string bytes = whole;
+            bytes[place] = static_cast<char>(bytes[place] ^ 1);
+            tactnet::write_file(file, bytes);
+            const outcome result = evaluate(all, "--jobs 3 --afresh");
+            says(result.error, sentence);
+            CHECK(finds(result));
+            CHECK(text_of(file) == whole);
+            CHECK(results() == first);
+        };
+        evaluate_damaged(whole.size() / 2, "features of 1 of 15 images are damaged, and found anew");
+        evaluate_damaged(40, "features of something else, or damaged; all are found anew");
+
+        // One program at a time finds them.
+        claims mine;
+        REQUIRE(mine.take(file));
+        const pid_t waits = shop.start(arguments("squeezenet-pooled-svm", {"--afresh"}));
+        shop.wait_for(waits, "waiting for the features that another program finds, results/features/");
+        mine.release(file);
+        CHECK(shop.wait(waits).status == 0);
+
+        // Other weights give other features, in a file of their own.
+        write_pretrained<squeezenet>(shop / "pretrained", element_type::float16);
+        CHECK(finds(evaluate("squeezenet-pooled-svm")));
+        CHECK(text_of(file) == whole);
+        CHECK(results().size() == 4 + 4);
+    }
+
+    TEST_CASE("trunk: options and files that do not go together") {
+        const workshop shop;
+        if (!knows(shop, "squeezenet-svm"))
+            return;
+        const auto trains = [&](const std::string& method, const words& more = {}) {
+            return training(shop, method, "net", more);
+        };
+        shop.refuses_each({
+            {shop.train_arguments("--method squeezenet-svm --output net"),
+             "--pretrained: squeezenet-svm expects a file of SqueezeNet 1.1's weights, found none. It "
+             "is a safetensors file with torchvision's names (features.0.weight, ...) in float32, "
+             "float16 or bfloat16, at least 2.9 MB in float32, trained on photographs of 227 x 227"},
+            {"evaluate --data DATA --method squeezenet-pooled-rbf --rows 7 --columns 13",
+             "save_file(torchvision.models.squeezenet1_1(weights=\"IMAGENET1K_V1\").state_dict(), "
+             "\"squeezenet1_1.safetensors\")"},
+            {trains("squeezenet-svm"), "pretrained: expected a file, found nothing of that name"},
+            {trains("tactnet4"), "--pretrained: expected a method that begins with a network trained on "
+                                 "photographs, found tactnet4, which learns all by itself"},
+            {trains("svm-linear"), "found svm-linear, which learns all by itself"},
+            {"evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --pretrained pretrained",
+             "found tactnet4, which learns all by itself"},
+            {"evaluate --data DATA --weights net --pretrained p",
+             "--pretrained: expected a training, found --weights, whose file holds all that it needs"},
+            {trains("squeezenet-pooled-nn", "--augmentation sixfold"),
+             "--augmentation: expected none, since features of images are found once, for "
+             "squeezenet-pooled-nn; found sixfold"},
+            {trains("squeezenet-pooled-nn", "--batch 1"),
+             "--batch: expected 0 or at least 2, since batch norms learn nothing from one row of features, "
+             "for squeezenet-pooled-nn; found 1"},
+            {trains("squeezenet-pooled-nn", "--recipe published"),
+             "nothing was published for squeezenet-pooled-nn"},
+            {trains("squeezenet-pooled-nn", "--start other"),
+             "--start: expected a network that begins with random weights, found squeezenet-pooled-nn"},
+        });
+        tactnet::write_file(shop / "pretrained", std::string_view("no such file"));
+        shop.refuses(trains("squeezenet-svm"),
+                     "pretrained: expected a safetensors file, found text that begins with 'no such '");
+        const auto refuses_pretrained = [&](const auto& change, const std::string& sentence) {
+            write_pretrained<squeezenet>(shop / "pretrained", element_type::float32, change);
+            shop.refuses(trains("squeezenet-svm"), "pretrained: " + sentence);
+        };
+        refuses_pretrained(
+            [](std::string& name, extents&) { name = name == "features.3.squeeze.bias" ? "" : name; },
+            "expected a tensor 'features.3.squeeze.bias' of 16, found none of that name");
+        refuses_pretrained([](std::string& name, extents&) { name = "module." + name; },
+                           "expected the 50 arrays of this network, found 50 missing: 'features.0.weight' of "
+                           "64x3x3x3, ");
+        refuses_pretrained(
+            [](std::string& name, extents& e) {
+                if (name == "features.0.weight")
+                    e = {3, 3, 3, 64};
+            },
+            "tensor 'features.0.weight': expected 64x3x3x3, found 3x3x3x64");
+
+        // The file of a training, which holds all that it needs.
+        write_pretrained<squeezenet>(shop / "pretrained");
+        keep_images(shop, 3);
+        shop.succeeds(training(shop, "squeezenet-pooled-svm", "svm", "--test 0.3"));
+        shop.succeeds(training(shop, "squeezenet-pooled-nn", "nn", "--epochs 1 --test 0.3"));
+        rewrite(shop / "svm", shop / "nan", "trunk.features.0.bias",
+                [](std::vector<float>& v) { v[3] = std::numeric_limits<float>::infinity(); });
+        rewrite(shop / "svm", shop / "moved", "trunk.features.12.squeeze.weight", double_all);
+        rewrite(shop / "nn", shop / "moved_head", "trunk.features.12.squeeze.weight", double_all);
+        std::string bytes = text_of(shop / "svm");
+        tactnet::write_file(shop / "cut", std::string_view(bytes).substr(0, bytes.size() - 100));
+        bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+        tactnet::write_file(shop / "flipped", bytes);
+        {
+            const auto file = tactnet::safetensors::read(shop / "svm");
+            tactnet::safetensors_writer writer;
+            writer.metadata = file.metadata();
+            for (const auto& [name, entry] : file.tensors())
+                if (!name.starts_with("trunk."))
+                    writer.add(name, entry.type, entry.extents, file.bytes(name));
+            writer.write(shop / "without");
+        }
+        shop.refuses_each({
+            {"classify IMAGE --weights nan",
+             "nan: tensor 'trunk.features.0.bias', element 3: expected a finite number, found inf"},
+            {"classify IMAGE --weights moved", "moved: self-test, image 0, machine "},
+            {"classify IMAGE --weights moved_head", "moved_head: self-test, image 0, class "},
+            {"classify IMAGE --weights cut", "cut: file cut short"},
+            {"classify IMAGE --weights flipped", "flipped: checksum of the whole file: expected"},
+            {"classify IMAGE --weights without",
+             "without: expected arrays of SqueezeNet 1.1, whose names begin with 'trunk.', found none"},
+            {"export --weights nn --output net.hpp",
+             "nn: expected a network, found the head of a frozen trunk squeezenet-pooled-nn, which cannot "
+             "be written as a header"},
+            {"classify --weights nn --method squeezenet-pooled-svm IMAGE",
+             "nn: expected weights of squeezenet-pooled-svm as --method says, found those of "
+             "squeezenet-pooled-nn"},
+        });
+        const std::pair<const char*, const char*> foreign[] = {{"pooling", "none"},
+                                                               {"reflections", "none"},
+                                                               {"features", "fc7 of AlexNet"},
+                                                               {"photograph", "224x224"}};
+        for (const auto& [key, value] : foreign) {
+            rewrite_metadata(shop / "nn", shop / "other", key, value);
+            const std::string error =
+                shop.refuses("classify --weights other IMAGE", "found '" + std::string(value) + "'");
+            says(error, "other: metadata '" + std::string(key) + "': expected '");
+        }
+    }
+
+    TEST_CASE("trunk: SqueezeNet's weights recognise real touches as in the paper" *
+              doctest::test_suite("data")) {
+        const workshop shop;
+        const auto images = find_data("tactile_images"),
+                   weights = find_data("squeezenet1_1_imagenet_features.safetensors");
+        if (!images || !weights)
+            return;
+        const auto known = lines_of(shop.run("list").out);
+        if (std::ranges::none_of(known, [](const std::string& line) {
+                return line.starts_with("squeezenet-svm ") && line.find(" 28x50 ") != std::string::npos;
+            })) {
+            MESSAGE("skipped: the program was built without squeezenet-svm at 28x50");
+            return;
+        }
+        const outcome trained =
+            shop.succeeds({"train", "--data", images->string(), "--method", "squeezenet-svm", "--weights",
+                           weights->string(), "--output", "net"});
+        const auto file = tactnet::safetensors_source::open(shop / "net");
+        // The paper has 85.82 ± 2.57 %: within four deviations of one split.
+        const double accuracy = std::stod(file.metadata().at("test_accuracy"));
+        CHECK(accuracy > 0.755);
+        CHECK(accuracy < 0.961);
+    }
+}
