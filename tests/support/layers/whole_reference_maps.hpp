@@ -33,7 +33,7 @@ struct reference_step<tactnet::adaptive_max_pool_step<tactnet::eight_bit, Input,
     }
 };
 
-/// Sums of bytes times whole parts of a pixel, times 1 ÷ all parts in single precision.
+/// Sums of steps times whole parts of a pixel, times 1 ÷ all parts in single precision.
 template <tactnet::interpolation Mode, tactnet::shape Input, tactnet::extent2d Output, std::size_t Stride,
           class Products>
 struct reference_step<tactnet::resampling_step<tactnet::eight_bit, Mode, Input, Output, Stride>, Products> {
@@ -51,7 +51,8 @@ struct reference_step<tactnet::resampling_step<tactnet::eight_bit, Mode, Input, 
         const auto after = static_cast<std::int64_t>(at / all + 1 < from ? at % all : 0);
         return {at / all, static_cast<std::int64_t>(all) - after, after};
     }
-    static whole_map run(const float*, const whole_map& in, const whole_map&) {
+    static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
+        const std::int64_t zero = linear ? reference_range::next(folded).zero : 0;
         whole_map result(tactnet::shape{Output.rows, Output.columns, Input.channels});
         for (std::size_t y = 0; y < result.rows; ++y)
             for (std::size_t x = 0; x < result.columns; ++x)
@@ -60,14 +61,15 @@ struct reference_step<tactnet::resampling_step<tactnet::eight_bit, Mode, Input, 
                                 along = place_of(x, Input.columns, Output.columns);
                     const auto pixel = [&](std::size_t below, std::size_t beside) {
                         return in.whole[in.at(std::min(down.pixel + below, Input.rows - 1),
-                                              std::min(along.pixel + beside, Input.columns - 1), c)];
+                                              std::min(along.pixel + beside, Input.columns - 1), c)] -
+                               zero;
                     };
                     const std::int64_t sum =
                         down.here * (along.here * pixel(0, 0) + along.after * pixel(0, 1)) +
                         down.after * (along.here * pixel(1, 0) + along.after * pixel(1, 1));
                     const auto all =
                         static_cast<float>((down.here + down.after) * (along.here + along.after));
-                    result.whole[result.at(y, x, c)] = reference_byte(sum, 1 / all, 0, false);
+                    result.whole[result.at(y, x, c)] = reference_byte(sum, 1 / all, zero, false);
                 }
         return result;
     }
