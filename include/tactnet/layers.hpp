@@ -18,6 +18,7 @@
 #include <tactnet/layers/dropout.hpp>
 #include <tactnet/layers/layer.hpp>
 #include <tactnet/layers/normalisation/batch_norm.hpp>
+#include <tactnet/layers/normalisation/channel_scale.hpp>
 #include <tactnet/layers/normalisation/group_norm.hpp>
 #include <tactnet/layers/normalisation/layer_norm.hpp>
 #include <tactnet/layers/normalisation/local_response_norm.hpp>

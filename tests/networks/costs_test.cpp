@@ -43,7 +43,7 @@ void check_all() {
 using other_layers =
     network<shape{9, 11}, square_root<>, conv2d<6, extent2d{3, 2}, extent2d{2, 1}, pad(1, 0, 2, 1)>,
             local_response_norm<>, group_norm<2>, instance_norm, layer_norm<norm_over::frame>,
-            layer_norm<norm_over::channels>, squeeze_excitation<6, 2>,
+            layer_norm<norm_over::channels>, squeeze_excitation<6, 2>, channel_scale,
             concatenation<conv2d<4, 1>, sequence<conv2d<2, 3, 1, padding::same, without_bias>, relu>>,
             conv2d<12, 3, 1, padding::same, in_groups(3)>, average_pool<3, 2, ceil_mode()>,
             residual<sequence<conv2d<12, 3>, relu>>, named<"inner", sequence<dropout<20>>>,

@@ -3,6 +3,7 @@
 #include <tactnet/deployment/batch.hpp>
 #include <tactnet/deployment/deployed_view.hpp>
 #include <tactnet/deployment/lowering/branches.hpp>
+#include <tactnet/deployment/lowering/channel_scale.hpp>
 #include <tactnet/deployment/lowering/convolution.hpp>
 #include <tactnet/deployment/lowering/layers.hpp>
 #include <tactnet/deployment/lowering/resizing.hpp>

@@ -60,6 +60,14 @@ TEST_CASE("PyTorch: squeeze and excitation, by itself and as in MobileNetV3") {
                     conv2d<4, 1>>>("mobile");
 }
 
+TEST_CASE("PyTorch: a block of ConvNeXt, with layer norm, GELU and layer scale") {
+    using block =
+        residual<sequence<named<"dwconv", conv2d<8, 7, 1, padding::same, in_groups(8)>>,
+                          named<"norm", layer_norm<norm_over::channels>>, named<"pwconv1", conv2d<24, 1>>,
+                          gelu, named<"pwconv2", conv2d<8, 1>>, named<"ls", channel_scale>>>;
+    compare<network<image, conv2d<8, 3>, block>>("convnext");
+}
+
 TEST_CASE("PyTorch: GroupNorm, InstanceNorm2d, LayerNorm of frames and of channels") {
     compare<network<image, conv2d<20, 3>, group_norm<5>>>("group_norm");
     compare<network<image, instance_norm>>("instance_norm");

@@ -53,8 +53,31 @@ class SqueezeExcitation(nn.Module):
         return x * self.scale(self.fc2(factors))
 
 
+class LayerScale(nn.Module):
+    """timm's, which begins as ones here."""
+
+    def __init__(self, channels):
+        super().__init__()
+        self.gamma = nn.Parameter(torch.ones(channels))
+
+    def forward(self, x):
+        return x * self.gamma[:, None, None]
+
+
+class Residual(nn.Sequential):
+    def forward(self, x):
+        return x + super().forward(x)
+
+
 def network(**layers):
-    module = nn.Sequential()
+    return named(nn.Sequential(), layers)
+
+
+def residual(**layers):
+    return named(Residual(), layers)
+
+
+def named(module, layers):
     for name, layer in layers.items():
         module.add_module(name, layer)
     return module
@@ -74,6 +97,20 @@ NETWORKS = {
             act=nn.Hardswish(),
             se=SqueezeExcitation(12, 5, nn.Hardsigmoid()),
             conv2=nn.Conv2d(12, 4, 1),
+        ),
+    ),
+    "convnext": (
+        3,
+        network(
+            conv1=nn.Conv2d(3, 8, 3, padding=1),
+            block1=residual(
+                dwconv=nn.Conv2d(8, 8, 7, padding=3, groups=8),
+                norm=ChannelsLast(8),
+                pwconv1=nn.Conv2d(8, 24, 1),
+                act=nn.GELU(),
+                pwconv2=nn.Conv2d(24, 8, 1),
+                ls=LayerScale(8),
+            ),
         ),
     ),
     "layer_norm_channels": (3, network(conv1=nn.Conv2d(3, 7, 3, padding=1), ln1=ChannelsLast(7))),

@@ -133,6 +133,8 @@ reference_pointer reference_transposed_convolution(const reference_enlargement& 
                                                    const reference_tiles& tiles = {});
 reference_pointer reference_dense(extents3 input, std::size_t outputs);
 reference_pointer reference_batch_norm(extents3 input);
+/// Each channel times a number.
+reference_pointer reference_channel_scale(extents3 input);
 /// Normalises the channels of each of some groups of each sample.
 reference_pointer reference_group_norm(extents3 input, std::size_t groups);
 /// Normalises each sample as a whole, with a weight for each element, or the channels of each of its pixels.

@@ -101,6 +101,20 @@ public:
                                           const sample* added) const = 0;
 };
 
+/// Each channel times a number: a norm with mean 0 and variance 1, to fold.
+class channel_scale final : public reference_layer {
+public:
+    explicit channel_scale(extents3 size);
+    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override;
+    [[nodiscard]] bool has_backward() const override { return true; }
+    [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
+                                               const samples& out_gradient) const override;
+    [[nodiscard]] folded_norm folded(const reference_call& call) const;
+
+private:
+    std::vector<double> zeros_, ones_;
+};
+
 /// Convolutions, and dense layers as those whose one window is as large as the image.
 class convolution final : public folding_layer {
 public:

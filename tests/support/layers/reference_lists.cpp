@@ -77,8 +77,8 @@ public:
             x = layer->plain(parts.next(*layer), std::move(x));
         return x;
     }
-    /// A batch norm is folded into a convolution of the same list, with no more than dropouts between them,
-    /// and what is `added` goes into the sums of a convolution that stands last.
+    /// A batch norm or a channel scale is folded into a convolution of the same list, with no more than
+    /// dropouts between them, and what is `added` goes into the sums of a convolution that stands last.
     [[nodiscard]] sample deployed(const reference_call& call, sample x, const sample* added) const {
         parts_of parts(call);
         for (std::size_t i = 0; i < layers_.size(); ++i) {
@@ -92,9 +92,12 @@ public:
             while (behind < layers_.size() && dynamic_cast<const same_again*>(layers_[behind].get()))
                 ++behind;
             std::optional<folded_norm> norm;
-            if (behind < layers_.size())
+            if (behind < layers_.size()) {
                 if (const auto* found = dynamic_cast<const batch_norm*>(layers_[behind].get()))
                     norm = found->folded(parts.next(*found)), i = behind;
+                else if (const auto* scale = dynamic_cast<const channel_scale*>(layers_[behind].get()))
+                    norm = scale->folded(parts.next(*scale)), i = behind;
+            }
             x = taps->deployed(own, x, norm,
                                i + 1 == layers_.size() ? std::exchange(added, nullptr) : nullptr);
         }

@@ -55,6 +55,10 @@ template <>
 struct reference_of<tactnet::batch_norm> {
     static reference_pointer on(extents3 in) { return reference_batch_norm(in); }
 };
+template <>
+struct reference_of<tactnet::channel_scale> {
+    static reference_pointer on(extents3 in) { return reference_channel_scale(in); }
+};
 template <std::size_t Groups>
 struct reference_of<tactnet::group_norm<Groups>> {
     static reference_pointer on(extents3 in) { return reference_group_norm(in, Groups); }

@@ -52,13 +52,13 @@ private:
     parameter_source from_;
 };
 
-/// A batch norm that no convolution has fused, with the ReLU after it.
-template <class Place, bool Rectified = false>
+/// A batch norm that no convolution has fused, with the ReLU after it. `Norm` has its constants.
+template <class Place, class Norm = norm_constants<Place>, bool Rectified = false>
 struct lowered_norm {
     using step = norm_step<typename Place::format, Place::layer::output, Place::input_stride, Rectified>;
 
     static void fold(const parameter_source& list, float* to) {
-        const norm_constants<Place> norm(list);
+        const Norm norm(list);
         for (std::size_t c = 0; c < step::output.channels; ++c) {
             to[c] = static_cast<float>(norm.factor(c));
             to[step::output.channels + c] = static_cast<float>(norm.shifted(c, 0));
@@ -66,7 +66,7 @@ struct lowered_norm {
     }
     template <class Spec, class>
     static constexpr auto fuse() {
-        return fuse_relu<Spec, lowered_norm<Place, true>>();
+        return fuse_relu<Spec, lowered_norm<Place, Norm, true>>();
     }
 };
 
