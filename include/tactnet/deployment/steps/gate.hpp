@@ -2,6 +2,7 @@
 
 #include <tactnet/deployment/steps/branches.hpp>
 #include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/kernels/frame/pooling.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -24,9 +25,13 @@ struct step_description<product_step<Format, Map, Stride>> {
 template <shape Map, std::size_t Stride>
 struct product_step<single_precision, Map, Stride> : step_base<single_precision, Map, Stride> {
     static void run(const float*, const float* in, float* out, const float* factors) noexcept {
-        for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride)
-            for (std::size_t c = 0; c < Stride; ++c)
-                out[pixel + c] = in[pixel + c] * factors[c];
+        using wide = typename decltype(kernels::pixel_vector<float, Stride>())::type;
+        using access = kernels::pixel_access<wide>;
+        for (std::size_t v = 0; v < Stride; v += sizeof(wide) / sizeof(float)) {
+            const wide factor = access::load(factors + v);
+            for (std::size_t e = v; e < Map.area() * Stride; e += Stride)
+                access::store(out + e, access::load(in + e) * factor);
+        }
     }
 };
 

@@ -77,14 +77,15 @@ public:
         }
         to[2 * packed_weights] = from[2 * weights];
     }
-    /// No normalised value exceeds √(n − 1) of n values. Until then sums of 16 squares, of distances as large
-    /// as twice the input, must stay finite.
+    /// No normalised value exceeds √(n − 1) of n values. Before, the sum of the squares of n distances, each
+    /// up to twice the input, must stay finite: where it would be large, that is the bound.
     static double output_bound(const float* from, double input) {
         constexpr double largest_square = 1e30;
-        const double squares = 16 * 4 * input * input;
+        constexpr auto count = static_cast<double>(values_together);
+        const double squares = 4 * count * input * input;
         if (!(squares < largest_square))
             return squares;
-        return detail::largest_sum(from, weights, 1, std::sqrt(static_cast<double>(values_together)));
+        return detail::largest_sum(from, weights, 1, std::sqrt(count));
     }
     static void run(const float* packed_values, const float* in, float* out, float* memory) noexcept {
         using wide = typename decltype(kernels::pixel_vector<float, Stride>())::type;

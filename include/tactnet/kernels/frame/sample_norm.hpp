@@ -1,8 +1,6 @@
 #pragma once
 
 #include <tactnet/kernels/frame/pooling.hpp>
-#include <tactnet/kernels/simd/sized_vector.hpp>
-#include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>
 #include <array>
