@@ -67,6 +67,7 @@ struct stream_list<Input, Spec, Rest...> {
 
 } // namespace detail
 
+/// A list, whatever the names of its layers.
 template <class... Specs, shape Input>
 struct stream_step<sequence<Specs...>, Input> : detail::stream_list<Input, without_name<Specs>...> {};
 

@@ -23,10 +23,11 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// The layers that `deploy_stream` can run frame by frame.
+/// What a layer does with one frame, specialised for each layer that can run frame by frame.
 template <class Spec, shape Input>
 struct stream_step;
 
+/// Whether `deploy_stream` can run the layer frame by frame.
 template <class Spec, shape Input>
 concept runs_in_streams = requires {
     sizeof(stream_step<Spec, Input>);
@@ -99,8 +100,9 @@ struct stream_step<recurrent<Cell, Hidden>, Input> {
         alignas(vector_alignment) std::array<float, Cell::gates * units> from_input, from_state;
         input_product::run(packed, in, from_input.data());
         hidden_product::run(packed + input_product::packed_elements, s.elements.data(), from_state.data());
-        detail::update_cells<Cell, float>(units, from_input.data(), from_state.data(), s.elements.data(),
-                                          nullptr);
+        alignas(vector_alignment) std::array<float, Cell::kept_count * units> kept;
+        detail::update_cells<Cell>(units, from_input.data(), from_state.data(), s.elements.data(),
+                                   kept.data());
         std::copy_n(s.elements.data(), units, out);
     }
     /// No state is above 2²⁴: each frame adds at most 1 to a cell's content, which rounds it away there.
@@ -173,6 +175,7 @@ struct stream_step<dense<Outputs>, Input> : detail::stateless_step {
     }
 };
 
+/// Activations, with the functions of a batch.
 template <class Function, shape Input>
 struct stream_step<activation<Function>, Input> : detail::stateless_step {
     static void run(const float*, const float* in, state&, float* out) noexcept {
@@ -201,8 +204,10 @@ struct copying_step : stateless_step {
 
 } // namespace detail
 
+/// In a stream, the last frame is the present one.
 template <shape Input>
 struct stream_step<last_frame, Input> : detail::copying_step<Input> {};
+/// Dropout changes nothing after training.
 template <unsigned Percent, shape Input>
 struct stream_step<dropout<Percent>, Input> : detail::copying_step<Input> {};
 

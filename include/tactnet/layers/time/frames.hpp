@@ -12,6 +12,7 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
+/// Whether a shape can be that of a sequence.
 template <std::size_t Columns>
 concept one_column = Columns == 1;
 

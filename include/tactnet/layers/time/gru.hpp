@@ -18,17 +18,23 @@ struct gru_cell {
     static constexpr std::size_t states = 1;     ///< h
     static constexpr std::size_t kept_count = 4; ///< r, z, n, and the sum of n over the hidden state
 
-    /// Updates the state from the gates' sums over the input and over the hidden state, biases included.
+    /// From the gates' sums over the input and over the hidden state, biases included: what they are, and
+    /// what n is the hyperbolic tangent of.
     template <class Number>
-    static void forward(const std::array<Number, 3>& in, const std::array<Number, 3>& hidden,
-                        std::array<Number, 1>& state, std::array<Number, 4>& kept) {
+    static void open(const std::array<Number, 3>& in, const std::array<Number, 3>& hidden,
+                     std::array<Number, 4>& kept) {
         const Number r = sigmoid_function::value(in[0] + hidden[0]);
         const Number z = sigmoid_function::value(in[1] + hidden[1]);
-        const Number n = hyperbolic_tangent_function::value(kernels::fused_multiply_add(r, hidden[2], in[2]));
-        state[0] = kernels::fused_multiply_add(z, state[0] - n, n);
-        kept = {r, z, n, hidden[2]};
+        kept = {r, z, kernels::fused_multiply_add(r, hidden[2], in[2]), hidden[2]};
     }
-    /// From what `forward` kept and the state before: turns the gradient of the state after into its direct
+    /// Updates the state, and completes what the backward pass needs.
+    template <class Number>
+    static void update(std::array<Number, 4>& kept, std::array<Number, 1>& state) {
+        const Number n = hyperbolic_tangent_function::value(kept[2]);
+        state[0] = kernels::fused_multiply_add(kept[1], Number(state[0] - n), n);
+        kept[2] = n;
+    }
+    /// From what was kept and the state before: turns the gradient of the state after into its direct
     /// part of the gradient of the state before, and sets the gradients of the gates' sums.
     template <class Number>
     static void backward(const std::array<Number, 4>& kept, const std::array<Number, 1>& before,

@@ -18,20 +18,22 @@ struct lstm_cell {
     static constexpr std::size_t states = 2;     ///< h, c
     static constexpr std::size_t kept_count = 5; ///< i, f, g, o, tanh(c)
 
-    /// Updates the state from the gates' sums over the input and over the hidden state, biases included.
+    /// The gates, from their sums over the input and over the hidden state, biases included.
     template <class Number>
-    static void forward(const std::array<Number, 4>& in, const std::array<Number, 4>& hidden,
-                        std::array<Number, 2>& state, std::array<Number, 5>& kept) {
-        const Number i = sigmoid_function::value(in[0] + hidden[0]);
-        const Number f = sigmoid_function::value(in[1] + hidden[1]);
-        const Number g = hyperbolic_tangent_function::value(in[2] + hidden[2]);
-        const Number o = sigmoid_function::value(in[3] + hidden[3]);
-        state[1] = kernels::fused_multiply_add(f, state[1], Number(i * g));
-        const Number content = hyperbolic_tangent_function::value(state[1]);
-        state[0] = o * content;
-        kept = {i, f, g, o, content};
+    static void open(const std::array<Number, 4>& in, const std::array<Number, 4>& hidden,
+                     std::array<Number, 5>& kept) {
+        kept = {sigmoid_function::value(in[0] + hidden[0]), sigmoid_function::value(in[1] + hidden[1]),
+                hyperbolic_tangent_function::value(in[2] + hidden[2]),
+                sigmoid_function::value(in[3] + hidden[3]), Number(0)};
     }
-    /// From what `forward` kept and the states before: turns the gradients of the states after into their
+    /// Updates the states, and completes what the backward pass needs.
+    template <class Number>
+    static void update(std::array<Number, 5>& kept, std::array<Number, 2>& state) {
+        state[1] = kernels::fused_multiply_add(kept[1], state[1], Number(kept[0] * kept[2]));
+        kept[4] = hyperbolic_tangent_function::value(state[1]);
+        state[0] = kept[3] * kept[4];
+    }
+    /// From what was kept and the states before: turns the gradients of the states after into their
     /// direct parts of the gradients of the states before, and sets the gradients of the gates' sums.
     template <class Number>
     static void backward(const std::array<Number, 5>& kept, const std::array<Number, 2>& before,

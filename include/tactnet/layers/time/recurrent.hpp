@@ -15,7 +15,7 @@
 
 // The layer of a recurrent cell. A cell is a struct with
 //   name, gates, states, kept_count   constants: the numbers of each hidden unit
-//   forward(in, hidden, state, kept)
+//   open(in, hidden, kept), update(kept, state)
 //   backward(kept, before, gradient, in, hidden)
 // as in gru.hpp. `in` and `hidden` are the gates' sums over the input and over the hidden state, each with
 // its bias; the first state is the hidden state, which is the output. Each function takes arrays of
@@ -56,17 +56,21 @@ void store_cell(const std::array<cell_number<T>, Count>& values, T* to, std::siz
 }
 
 /// One step of `count` hidden units. Elements of one unit lie `count` apart, unit by unit in multiples of
-/// cell_lanes<T>: in the gates' sums, in the state, which is updated, and in `kept` for the backward pass,
-/// unless that is null.
+/// cell_lanes<T>: in the gates' sums, in the state, which is updated, and in `kept` for the backward pass.
+/// All gates come first, since functions of independent numbers overlap in the processor.
 template <class Cell, class T>
 void update_cells(std::size_t count, const T* in, const T* hidden, T* state, T* kept) {
+    std::array<cell_number<T>, Cell::kept_count> k;
     for (std::size_t i = 0; i < count; i += cell_lanes<T>) {
+        Cell::open(load_cell<Cell::gates>(in + i, count), load_cell<Cell::gates>(hidden + i, count), k);
+        store_cell(k, kept + i, count);
+    }
+    for (std::size_t i = 0; i < count; i += cell_lanes<T>) {
+        k = load_cell<Cell::kept_count>(kept + i, count);
         auto s = load_cell<Cell::states>(state + i, count);
-        std::array<cell_number<T>, Cell::kept_count> k;
-        Cell::forward(load_cell<Cell::gates>(in + i, count), load_cell<Cell::gates>(hidden + i, count), s, k);
+        Cell::update(k, s);
+        store_cell(k, kept + i, count);
         store_cell(s, state + i, count);
-        if (kept)
-            store_cell(k, kept + i, count);
     }
 }
 
@@ -101,16 +105,17 @@ struct recurrent {
                                      input_biases = hidden_weights + rows * Hidden,
                                      hidden_biases = input_biases + rows;
 
-        /// For each lane block. Inference uses the first three for one frame at a time.
+        /// For each lane block. Inference uses those of the first line, for one frame at a time.
         struct memory {
-            aligned_vector<T> inputs, sums, states;            // of each frame; states before the first, too
-            aligned_vector<T> kept, input_gates, hidden_gates; // of each frame
+            aligned_vector<T> inputs, sums, states, kept; // states before the first frame, too
+            aligned_vector<T> input_gates, hidden_gates;  // gradients
             aligned_vector<double> totals;
             void resize(std::size_t samples) {
                 const std::size_t blocks = lane_blocks_of<T>(samples);
                 detail::grow(inputs, blocks * input_size);
                 detail::grow(sums, blocks * 2 * gate_size);
                 detail::grow(states, blocks * state_size);
+                detail::grow(kept, blocks * kept_size);
             }
         };
 
@@ -131,7 +136,8 @@ struct recurrent {
                 std::fill_n(state, state_size, T{});
                 for (std::size_t frame = 0; frame < frames; ++frame) {
                     detail::read_frame<Input>(in.lane_block(b), frame, x);
-                    take_step(values, x, m.sums.data() + b * 2 * gate_size, state, nullptr);
+                    take_step(values, x, m.sums.data() + b * 2 * gate_size, state,
+                              m.kept.data() + b * kept_size);
                     detail::write_frame<output>(state, frame, out.lane_block(b));
                 }
             });
