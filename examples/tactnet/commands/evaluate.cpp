@@ -250,18 +250,12 @@ int evaluate_weights(const evaluate_options& o) {
 
 /// Which trainings, and where their results go.
 void add_run_options(CLI::App& app, evaluate_options& o) {
-    app.add_option("--split", o.split,
-                   "'random', 'blocked' (neighbours in the order of recording stay together) or 'both'")
-        ->check(CLI::IsMember({"both", "random", "blocked"}));
-    app.add_option("--splits", o.splits, "Splits of each kind")->check(whole_number(1, 10'000));
+    add_split_options(app, o.split, o.splits, o.jobs);
     app.add_option("--seed", o.first_seed, "Seed of the first split; the others follow")->check(seed());
     app.add_option("--results", o.results,
                    "Folder for results; trainings that are finished there are not repeated");
     app.add_flag("--afresh", o.afresh,
                  "Discard the finished trainings in that folder, for example after a change of the library");
-    app.add_option("--jobs,--threads", o.jobs,
-                   "Trainings at the same time; the results do not depend on it (default: one per core)")
-        ->check(whole_number(1, 1024));
 }
 
 /// What options for trainings say about a weight file.

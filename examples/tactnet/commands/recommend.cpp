@@ -30,44 +30,20 @@ struct recommend_options {
     std::optional<std::size_t> bytes, rows, columns;
 };
 
-/// What a study found of a network.
-struct studied_network {
-    std::string method, recipe, declaration;
-    std::size_t rows, columns, bits, splits, bytes;
-    double accuracy, deviation, microseconds, p99;
-};
-
-/// Nothing for what is no network, or was not trained on such splits or timed.
-std::optional<studied_network> network_of(const nlohmann::json& line, const std::string& split) {
-    const auto& accuracy = line.at(split + "_accuracy");
-    if (line.at("declaration") == "" || accuracy.is_null() || line.at("microseconds").is_null())
-        return std::nullopt;
-    return studied_network{line.at("method"),
-                           line.at("recipe"),
-                           line.at("declaration"),
-                           line.at("rows"),
-                           line.at("columns"),
-                           line.at("bits"),
-                           line.at(split + "_splits"),
-                           line.at("bytes"),
-                           accuracy,
-                           line.at(split + "_deviation"),
-                           line.at("microseconds"),
-                           line.at("microseconds_p99")};
-}
-
-std::vector<studied_network> networks_in(const std::filesystem::path& path, const std::string& split) {
-    std::vector<studied_network> found;
+/// The rows of networks that were timed, and tested on such splits.
+std::vector<nlohmann::json> networks_in(const std::filesystem::path& path, const std::string& split) {
+    std::vector<nlohmann::json> found;
     std::size_t read = 0, all = 0;
     line_file(path).read_on("a row of tactnet study", [&](const std::string& text) {
-        const auto line = nlohmann::json::parse(text);
+        nlohmann::json line = nlohmann::json::parse(text);
         const std::size_t place = line.at("line");
         all = line.at("lines");
         if (place != read + 1)
             throw std::runtime_error(fmt::format("the row that was line {} of {}", place, all));
         ++read;
-        if (auto network = network_of(line, split))
-            found.push_back(std::move(*network));
+        if (line.at("declaration") != "" && !line.at(split + "_accuracy").is_null() &&
+            !line.at("microseconds").is_null())
+            found.push_back(std::move(line));
     });
     if (read < all)
         throw tactnet::file_error(path.string(), fmt::format("line {}", read + 1),
@@ -76,38 +52,48 @@ std::vector<studied_network> networks_in(const std::filesystem::path& path, cons
     return found;
 }
 
-bool fits(const studied_network& n, const recommend_options& o) {
-    return (!o.microseconds || n.microseconds <= *o.microseconds) && (!o.bytes || n.bytes <= *o.bytes) &&
-           (!o.rows || n.rows <= *o.rows) && (!o.columns || n.columns <= *o.columns);
+/// "tactnet6 28x50 in 8 bits".
+std::string title_of_network(const nlohmann::json& row) {
+    return fmt::format("{} {}x{}{}", row.at("method").get<std::string>(), row.at("rows").get<int>(),
+                       row.at("columns").get<int>(), row.at("bits") == 8 ? " in 8 bits" : "");
 }
 
 int recommend(const recommend_options& o) {
     const std::filesystem::path path = std::filesystem::path(o.results) / "study.jsonl";
-    std::vector<studied_network> all = networks_in(path, o.split);
+    std::vector<nlohmann::json> all = networks_in(path, o.split);
+    const auto number = [](const char* name) {
+        return [name](const nlohmann::json& row) { return row.at(name).get<double>(); };
+    };
+    const std::string splits = o.split + "_splits", accuracy = o.split + "_accuracy";
     if (all.empty())
         throw tactnet::file_error(path.string(), "",
                                   fmt::format("networks that were timed, and tested on {} splits", o.split),
                                   "none");
-    const auto fastest = *std::ranges::min_element(all, {}, &studied_network::microseconds);
-    std::erase_if(all, [&](const studied_network& n) { return !fits(n, o); });
-    if (all.empty())
-        refuse("expected a budget that a network of {} keeps, found none; the fastest, {} {}x{}{}, takes "
-               "{:.2f} µs and {} bytes",
-               path.string(), fastest.method, fastest.rows, fastest.columns,
-               fastest.bits == 8 ? " in 8 bits" : "", fastest.microseconds, fastest.bytes);
-    // A mean over few splits cannot be compared with one over many.
-    const std::size_t most = std::ranges::max_element(all, {}, &studied_network::splits)->splits;
-    std::erase_if(all, [&](const studied_network& n) { return n.splits < most; });
-    std::ranges::stable_sort(all, [](const auto& a, const auto& b) {
-        return a.accuracy != b.accuracy ? a.accuracy > b.accuracy : a.microseconds < b.microseconds;
+    const nlohmann::json fastest = *std::ranges::min_element(all, {}, number("microseconds"));
+    std::erase_if(all, [&](const nlohmann::json& row) {
+        return (o.microseconds && row.at("microseconds") > *o.microseconds) ||
+               (o.bytes && row.at("bytes") > *o.bytes) || (o.rows && row.at("rows") > *o.rows) ||
+               (o.columns && row.at("columns") > *o.columns);
     });
-    const studied_network& best = all.front();
-    print(fmt::format(
-        "{} {}x{}{}, {} recipe: {:.2f} ± {:.2f} % over {} {} splits, {:.2f} µs per frame (p99 {:.2f}), "
-        "{} bytes of weights\n{}\n",
-        best.method, best.rows, best.columns, best.bits == 8 ? " in 8 bits" : "", best.recipe,
-        100 * best.accuracy, 100 * best.deviation, best.splits, o.split, best.microseconds, best.p99,
-        grouped(best.bytes), best.declaration));
+    if (all.empty())
+        refuse(
+            "expected a budget that a network of {} keeps, found none; the fastest, {}, takes {:.2f} µs and "
+            "{} bytes",
+            path.string(), title_of_network(fastest), number("microseconds")(fastest),
+            fastest.at("bytes").get<std::size_t>());
+    // A mean over few splits cannot be compared with one over many.
+    const double most = number(splits.c_str())(*std::ranges::max_element(all, {}, number(splits.c_str())));
+    std::erase_if(all, [&](const nlohmann::json& row) { return row.at(splits) < most; });
+    const nlohmann::json& best = *std::ranges::max_element(all, {}, [&](const nlohmann::json& row) {
+        return std::pair(number(accuracy.c_str())(row), -number("microseconds")(row));
+    });
+    print(fmt::format("{}, {} recipe: {:.2f} ± {:.2f} % over {} {} splits, {:.2f} µs per frame (p99 {:.2f}), "
+                      "{} bytes of weights\n{}\n",
+                      title_of_network(best), best.at("recipe").get<std::string>(),
+                      100 * number(accuracy.c_str())(best),
+                      100 * best.at(o.split + "_deviation").get<double>(), most, o.split,
+                      number("microseconds")(best), number("microseconds_p99")(best),
+                      grouped(best.at("bytes")), best.at("declaration").get<std::string>()));
     return success;
 }
 

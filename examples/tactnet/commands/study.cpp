@@ -8,6 +8,7 @@
 #include "methods/registry.hpp"
 #include "methods/training_settings.hpp"
 #include "number_options.hpp"
+#include "reports/pictures.hpp"
 #include "study/page.hpp"
 #include "study/pictures.hpp"
 #include "study/rows.hpp"
@@ -263,6 +264,8 @@ void report(const std::filesystem::path& folder, const std::vector<study_row>& r
     const auto drawn = draw_study_pictures(study_pictures(rows), folder);
     tactnet::write_file(folder / "study.md", study_markdown(rows, of));
     tactnet::write_file(folder / "study.html", study_page(rows, drawn, of));
+    if (const study_row* best = most_accurate(rows, shown_rule(rows)))
+        plot_confusion(folder / "confusion", title_of(*best), best->confusion, best->classes);
     const study_table methods = methods_table(rows);
     print(table(without_empty_columns(methods.cells)) + methods.notes);
     tell("the page: {}\n", printable((folder / "study.html").string()));
@@ -273,8 +276,8 @@ void check(const study_options& o, const study_plan& plan) {
     std::vector<named_file> inputs;
     for (const auto& [name, file] : pretrained_files(o))
         inputs.push_back({"--pretrained", file});
-    check_study_files(o.results, {"timings.jsonl", "study.jsonl", "study.csv", "study.md", "study.html"}, {},
-                      inputs, o.data, plan.candidates);
+    check_study_files(o.results, {"timings.jsonl", "study.jsonl", "study.csv", "study.md", "study.html"},
+                      {std::filesystem::path(o.results) / "confusion"}, inputs, o.data, plan.candidates);
     if (plan.candidates.empty())
         refuse(
             "--methods, --sizes, --recipes: expected something to study, found nothing that can be trained");
@@ -370,9 +373,7 @@ command add_study(CLI::App& program) {
     app->add_option("--recipes", o->recipes, "Some of 'default', 'thorough' and 'published'")
         ->delimiter(',')
         ->check(CLI::IsMember(recipe_names()));
-    app->add_option("--split", o->split, "'random', 'blocked' or 'both'")
-        ->check(CLI::IsMember({"both", "random", "blocked"}));
-    app->add_option("--splits", o->splits, "Splits of each kind")->check(whole_number(1, 10'000));
+    add_split_options(*app, o->split, o->splits, o->jobs);
     app->add_option("--pretrained", o->pretrained,
                     "ImageNet-pretrained networks, such as squeezenet=FILE, for the methods that need one")
         ->delimiter(',');
@@ -380,8 +381,6 @@ command add_study(CLI::App& program) {
         *app, o->bits,
         "8: networks in 8 bits too, where that form was compiled in; 32: in single precision alone");
     add_unknown_option(*app, o->unknown);
-    app->add_option("--jobs", o->jobs, "Trainings at the same time (default: one per core)")
-        ->check(whole_number(1, 1024));
     app->add_option("--shard", o->shard,
                     "One part of all trainings, such as 2/8 on the second of eight machines");
     app->add_option("--merge", o->merged, "Folders of other parts, whose trainings are added")

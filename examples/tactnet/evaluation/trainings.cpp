@@ -6,11 +6,13 @@
 #include "methods/description.hpp"
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
+#include "number_options.hpp"
 
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/training/loop.hpp>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -284,6 +286,16 @@ bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& resu
 }
 
 } // namespace
+
+void add_split_options(CLI::App& app, std::string& split, std::size_t& splits, std::size_t& jobs) {
+    app.add_option("--split", split,
+                   "'random', 'blocked' (neighbours in the order of recording stay together) or 'both'")
+        ->check(CLI::IsMember({"both", "random", "blocked"}));
+    app.add_option("--splits", splits, "Splits of each kind")->check(whole_number(1, 10'000));
+    app.add_option("--jobs,--threads", jobs,
+                   "Trainings at the same time; the results do not depend on it (default: one per core)")
+        ->check(whole_number(1, 1024));
+}
 
 std::vector<tactnet::split_rule> rules_of(const std::string& names) {
     if (names == "both")

@@ -42,6 +42,9 @@ struct split_plan {
     std::size_t splits = 10; ///< by each rule; their seeds follow the first
 };
 
+/// --split, --splits and --jobs.
+void add_split_options(CLI::App& app, std::string& split, std::size_t& splits, std::size_t& jobs);
+
 /// The rules of "random", "blocked" or "both".
 std::vector<tactnet::split_rule> rules_of(const std::string& names);
 

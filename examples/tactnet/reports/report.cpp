@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 std::string csv_field(std::string_view text) {
     if (text.find_first_of(",\"\r\n") == std::string_view::npos)
@@ -96,26 +95,16 @@ std::string markdown_table(const table_cells& rows) {
     return text;
 }
 
-std::string html_table(const table_cells& rows, bool shaded) {
-    std::string text =
-        shaded ? "<div class=\"wide\"><table class=\"confusion\">\n" : "<div class=\"wide\"><table>\n";
+std::string html_table(const table_cells& rows) {
+    std::string text = "<div class=\"wide\"><table>\n";
     for (const auto& row : rows) {
-        double total = 0;
-        for (std::size_t c = 1; shaded && c < row.size(); ++c)
-            total += std::strtod(row[c].c_str(), nullptr);
         text += "<tr>";
-        for (std::size_t c = 0; c < row.size(); ++c) {
-            const std::string& cell = row[c];
+        const char* const tag = &row == &rows.front() ? "th" : "td";
+        for (const std::string& cell : row) {
             const bool code = cell.size() > 1 && cell.starts_with('`') && cell.ends_with('`');
-            const std::string inner =
-                code ? "<code>" + escaped(cell.substr(1, cell.size() - 2)) + "</code>" : escaped(cell);
-            if (&row == &rows.front() || (shaded && c == 0))
-                text += "<th>" + inner + "</th>";
-            else if (shaded && !cell.empty())
-                text += fmt::format("<td style=\"background:rgba(var(--mark),{:.3f})\">{}</td>",
-                                    0.1 + 0.8 * std::strtod(cell.c_str(), nullptr) / total, inner);
-            else
-                text += "<td>" + inner + "</td>";
+            text += fmt::format("<{0}>{1}</{0}>", tag,
+                                code ? "<code>" + escaped(cell.substr(1, cell.size() - 2)) + "</code>"
+                                     : escaped(cell));
         }
         text += "</tr>\n";
     }

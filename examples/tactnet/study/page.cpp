@@ -9,8 +9,6 @@
 #include <chrono>
 #include <cmath>
 #include <string>
-#include <string_view>
-#include <utility>
 
 namespace {
 
@@ -35,8 +33,8 @@ std::string reflected_of(const study_row& row, split_rule rule) {
                ? ""
                : mean_of(a->reflected, fmt::to_string(a->reflected_splits));
 }
-std::string percent_of(double share, int digits = 2) {
-    return std::isfinite(share) ? fmt::format("{:.{}f}", 100 * share, digits) : "";
+std::string percent_of(double share) {
+    return std::isfinite(share) ? fmt::format("{:.2f}", 100 * share) : "";
 }
 std::string time_of(const study_row& row, double frame_latency::*what, int digits = 1) {
     return row.latency ? fmt::format("{:.{}f}", (*row.latency).*what, digits) : "";
@@ -77,40 +75,6 @@ study_table memory_table(const std::vector<study_row>& rows) {
         if (!row.declaration.empty() && row.recipe == "default") // a recipe changes no bytes
             t.cells.push_back({method_title(row), size_of(row), count_of(row.costs.parameter_bytes),
                                count_of(row.costs.activation_bytes)});
-    return t;
-}
-
-study_table class_rates_table(const study_row& row, split_rule rule) {
-    study_table t{"classes",
-                  fmt::format("How well {} knows each class", title_of(row)),
-                  fmt::format("Sensitivity: the share of a class's images that is recognised. Precision: the "
-                              "share of what is taken for a class that is of it. All {} splits together, the "
-                              "worst class first.",
-                              name_of(rule)),
-                  {{"class", "images", "sensitivity, %", "precision, %", "mostly taken for"}}};
-    for (const class_rate& rate : class_rates(row))
-        t.cells.push_back(
-            {rate.name, fmt::to_string(rate.images), percent_of(rate.sensitivity, 1),
-             percent_of(rate.precision, 1),
-             rate.times == 0 ? "" : fmt::format("{}, {} of {}", rate.taken_for, rate.times, rate.images)});
-    return t;
-}
-
-study_table confusion_table(const study_row& row, split_rule rule) {
-    study_table t{"confusion",
-                  fmt::format("What {} takes for what", title_of(row)),
-                  fmt::format("A row is what an image shows, a column what it was taken for; all {} splits "
-                              "together.",
-                              name_of(rule)),
-                  {{""}},
-                  true};
-    t.cells[0].insert(t.cells[0].end(), row.classes.begin(), row.classes.end());
-    for (std::size_t truth = 0; truth < row.classes.size(); ++truth) {
-        std::vector<std::string>& cells = t.cells.emplace_back();
-        cells = {row.classes[truth]};
-        for (std::size_t c = 0; c < row.classes.size(); ++c)
-            cells.push_back(count_of(row.confusion.count(truth, c)));
-    }
     return t;
 }
 
@@ -209,46 +173,8 @@ study_table decisions_table(const std::vector<study_row>& rows) {
 std::vector<study_table> study_tables(const std::vector<study_row>& rows) {
     std::vector<study_table> all{front_table(rows),         methods_table(rows),   details_table(rows),
                                  probabilities_table(rows), decisions_table(rows), memory_table(rows)};
-    const split_rule rule = shown_rule(rows);
-    if (const study_row* best = most_accurate(rows, rule); best != nullptr && !best->classes.empty()) {
-        all.push_back(class_rates_table(*best, rule));
-        all.push_back(confusion_table(*best, rule));
-    }
     std::erase_if(all, [](const study_table& t) { return t.cells.size() < 2; });
     return all;
-}
-
-double class_rate::worst() const {
-    return std::fmin(sensitivity, precision); // which skips a NaN
-}
-
-std::vector<class_rate> class_rates(const study_row& row) {
-    const auto share = [](std::size_t part, std::size_t all) {
-        return all == 0 ? std::nan("") : static_cast<double>(part) / static_cast<double>(all);
-    };
-    const std::size_t count = row.classes.size();
-    std::vector<class_rate> rates;
-    for (std::size_t c = 0; c < count; ++c) {
-        class_rate& rate = rates.emplace_back();
-        rate.name = row.classes[c];
-        std::size_t taken = 0;
-        for (std::size_t other = 0; other < count; ++other) {
-            const std::size_t n = row.confusion.count(c, other);
-            rate.images += n;
-            taken += row.confusion.count(other, c);
-            if (other != c && n > rate.times) {
-                rate.times = n;
-                rate.taken_for = row.classes[other];
-            }
-        }
-        rate.sensitivity = share(row.confusion.count(c, c), rate.images);
-        rate.precision = share(row.confusion.count(c, c), taken);
-    }
-    std::ranges::stable_sort(rates, [](const class_rate& a, const class_rate& b) {
-        const bool known = !std::isnan(a.worst()), other_known = !std::isnan(b.worst());
-        return known && other_known ? a.worst() < b.worst() : known && !other_known;
-    });
-    return rates;
 }
 
 std::string study_markdown(const std::vector<study_row>& rows, const report_subject& of) {
@@ -272,7 +198,7 @@ std::string study_page(const std::vector<study_row>& rows,
             body += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n",
                                 svg.substr(std::min(svg.find("<svg"), svg.size())), escaped(caption));
     for (const study_table& t : study_tables(rows))
-        body += fmt::format("<h2>{}</h2>\n{}<p>{}\n{}</p>\n", escaped(t.title), html_table(t.cells, t.shaded),
+        body += fmt::format("<h2>{}</h2>\n{}<p>{}\n{}</p>\n", escaped(t.title), html_table(t.cells),
                             escaped(t.caption), escaped(t.notes));
     std::string page(embedded("page.html"));
     return page.replace(page.find("<!-- report -->\n"), 16, body);

@@ -1,7 +1,5 @@
 #include "methods/support_vector_machines/machine.hpp"
 
-#include <tactnet/runtime/random.hpp>
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -42,15 +40,6 @@ tactnet::file_metadata own_settings(const Options& o) {
     return all;
 }
 
-/// Numbers as features are: none below zero.
-std::vector<float> made_up_rows(std::size_t rows, std::size_t size) {
-    tactnet::random_stream random(1, tactnet::random_purposes::order);
-    std::vector<float> values(rows * size);
-    for (float& value : values)
-        value = static_cast<float>(random.uniform());
-    return values;
-}
-
 } // namespace
 
 tactnet::file_metadata describe(const svm_options& options) {
@@ -88,35 +77,6 @@ support_vector_machine support_vector_machine::load(const svm_options& options,
     if (std::holds_alternative<rbf_options>(options))
         return tactnet::load_kernel_machine<tactnet::rbf_kernel>(file);
     return tactnet::load_linear_machine(file);
-}
-
-support_vector_machine support_vector_machine::made_up(const svm_options& options, std::size_t features,
-                                                       std::size_t classes, std::size_t samples_of_class) {
-    const auto fill = [&](auto& parts, std::size_t machines) {
-        parts.features = features;
-        parts.labels = tactnet::all_samples(classes);
-        parts.offsets.resize(machines);
-    };
-    return std::visit(
-        [&]<class Options>(const Options& o) -> support_vector_machine {
-            if constexpr (requires { o.kernel; }) {
-                using kernel = std::remove_cvref_t<decltype(o.kernel)>;
-                tactnet::kernel_machine_parameters<kernel> parts;
-                fill(parts, tactnet::machine_count(classes, o.scheme));
-                parts.kernel = o.kernel;
-                parts.scheme = o.scheme;
-                parts.support_counts.assign(classes, samples_of_class);
-                parts.support_vectors = made_up_rows(classes * samples_of_class, features);
-                parts.coefficients.assign(classes * samples_of_class * parts.coefficients_each(), 0.5);
-                return tactnet::kernel_machine<kernel>(std::move(parts));
-            } else {
-                tactnet::linear_machine_parameters parts;
-                fill(parts, classes);
-                parts.weights = made_up_rows(classes, features);
-                return linear_machine(std::move(parts));
-            }
-        },
-        options);
 }
 
 void support_vector_machine::add_to(tactnet::safetensors_writer& writer) const {

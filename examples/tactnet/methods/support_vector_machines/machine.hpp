@@ -41,10 +41,6 @@ public:
                                         const label_list& labels, tactnet::thread_pool& threads);
     /// Loads a machine of the kind of the options. Throws tactnet::file_error.
     static support_vector_machine load(const svm_options& options, const tactnet::safetensors& file);
-    /// The largest there can be with so many samples of each class, of made-up numbers: its time depends on
-    /// nothing else.
-    static support_vector_machine made_up(const svm_options& options, std::size_t features,
-                                          std::size_t classes, std::size_t samples_of_class);
     void add_to(tactnet::safetensors_writer& writer) const;
 
     std::size_t features() const;

@@ -297,21 +297,25 @@ public:
         return costs(classes).parameters - (finder_.trunk ? finder_.trunk->costs.parameters : 0);
     }
     frame_work make_work(std::size_t) const override {
-        if (finder_.trunk)
-            return finder_.work([size = finder_.size(),
-                                 machine = support_vector_machine::made_up(
-                                     recipe_.options, finder_.size(), paper_classes, paper_images_of_class)](
-                                    std::span<const float> features) {
-                tactnet::thread_pool alone;
-                static_cast<void>(machine.values(feature_list(features, size), alone));
-            });
-        // The time of a machine depends on what it learnt.
-        std::vector<std::uint8_t> pixels = made_up_touches(finder_.image);
         const label_list all = tactnet::all_samples(paper_classes * paper_images_of_class);
         label_list labels;
         for (const std::size_t i : all)
             labels.push_back(i % paper_classes);
         tactnet::thread_pool alone;
+        if (finder_.trunk) { // on random numbers, most of which become support vectors
+            const std::size_t size = finder_.size();
+            tactnet::random_stream random(1, tactnet::random_purposes::order);
+            std::vector<float> numbers(all.size() * size);
+            std::ranges::generate(numbers, [&] { return static_cast<float>(random.uniform()); });
+            const auto machine =
+                support_vector_machine::train(recipe_.options, feature_list(numbers, size), labels, alone);
+            return finder_.work([size, machine](std::span<const float> features) {
+                tactnet::thread_pool threads;
+                static_cast<void>(machine.values(feature_list(features, size), threads));
+            });
+        }
+        // The time of a machine depends on what it learnt.
+        std::vector<std::uint8_t> pixels = made_up_touches(finder_.image);
         svm_training run(finder_.image, make(), recipe_.options, {pixels, labels, paper_classes},
                          {all, {}, {}}, alone);
         run.advance();

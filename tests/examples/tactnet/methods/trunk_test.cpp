@@ -127,7 +127,6 @@ TEST_SUITE("program") {
         const workshop shop;
         if (!knows(shop, "squeezenet-pooled-nn"))
             return;
-        keep_images(shop, 4);
         write_pretrained<squeezenet>(shop / "pretrained");
         const auto arguments = [&](const char* output, const words& more) {
             return training(shop, "squeezenet-pooled-nn", output,

@@ -69,17 +69,6 @@ const published_result* find_title(std::string_view title, std::size_t rows, std
     return found == published_results.end() ? nullptr : &*found;
 }
 
-/// Counts by true class, then by recognised one.
-study_row confused(std::vector<std::string> classes, const std::vector<std::size_t>& counts) {
-    study_row row = studied("net", 0.9, 10);
-    row.confusion = tactnet::confusion_matrix(classes.size());
-    for (std::size_t i = 0; i < counts.size(); ++i)
-        for (std::size_t n = 0; n < counts[i]; ++n)
-            row.confusion.add(i / classes.size(), i % classes.size());
-    row.classes = std::move(classes);
-    return row;
-}
-
 } // namespace
 
 TEST_SUITE("program") {
@@ -297,27 +286,17 @@ TEST_SUITE("program") {
         std::vector<study_row> rows{studied("fast" + markup, 0.8, 10), studied("best" + markup, 0.9, 20),
                                     not_run("lost" + markup, "why" + markup)};
         rows[1].declaration = "own::net<shape{7, 13}, 3>" + markup;
-        rows[1].classes = {"key" + markup, "ball", "arm"};
-        rows[1].confusion = tactnet::confusion_matrix(3);
-        for (std::size_t c = 0; c < 3; ++c)
-            rows[1].confusion.add(c, (c + 1) % 3);
         const std::string text = study_page(
             rows, {{"caption" + markup, "<?xml version=\"1.0\"?>\n<svg>drawn</svg>"}, {"none", ""}},
             {"images" + markup, "program" + markup});
         CHECK(!has(text, markup));
-        for (const char* name : {"fast", "best", "lost", "<code>own::net&lt;shape{7, 13}, 3&gt;", "key",
-                                 "why", "caption", "images", "program"})
+        for (const char* name : {"fast", "best", "lost", "<code>own::net&lt;shape{7, 13}, 3&gt;", "why",
+                                 "caption", "images", "program"})
             CHECK_MESSAGE(has(text, name + as_text), name);
         CHECK(has(text, "<figure><svg>drawn</svg><figcaption>caption"));
         CHECK(!has(text, "none</figcaption>"));
         CHECK(text.starts_with("<!DOCTYPE html>"));
         CHECK(text.ends_with("</html>\n"));
-    }
-
-    TEST_CASE("html_table: a matrix of counts shows their share of the row") {
-        const std::string text = html_table({{"", "a", "b"}, {"a", "3", "1"}, {"b", "", ""}}, true);
-        CHECK(has(text, "<tr><th>a</th><td style=\"background:rgba(var(--mark),0.700)\">3</td>"));
-        CHECK(has(text, "<tr><th>b</th><td></td><td></td></tr>"));
     }
 
     TEST_CASE("study_rows: the mean over reflections follows the mean of images as they are") {
@@ -373,56 +352,11 @@ TEST_SUITE("program") {
     }
 
     TEST_CASE("study_page: says over which splits its figures are") {
-        std::vector<study_row> rows{studied("fast", 0.8, 10), confused({"a", "b"}, {3, 0, 1, 2})};
+        std::vector<study_row> rows{studied("fast", 0.8, 10), studied("best", 0.9, 20)};
         CHECK(has(page(rows), "more accurate, over random splits."));
-        CHECK(has(page(rows), "all random splits together"));
         for (study_row& row : rows)
             row.accuracies.front().rule = split_rule::blocked;
         CHECK(has(page(rows), "more accurate, over blocked splits."));
-        CHECK(has(page(rows), "all blocked splits together"));
-    }
-
-    TEST_CASE("class_rates: sensitivity along a class's images, precision along what is taken for it") {
-        const study_row row = confused({"arm", "ball", "key"}, {8, 2, 0, //
-                                                                1, 9, 0, //
-                                                                0, 3, 7});
-        const std::vector<class_rate> rates = class_rates(row);
-        REQUIRE(rates.size() == 3);
-        CHECK(rates[0].name == "ball"); // 9 of the 14 that are taken for one
-        CHECK(rates[0].precision == 9.0 / 14);
-        CHECK(rates[0].sensitivity == 0.9);
-        CHECK(rates[0].taken_for == "arm");
-        CHECK(rates[0].times == 1);
-        CHECK(rates[1].name == "key");
-        CHECK(rates[1].sensitivity == 0.7);
-        CHECK(rates[1].precision == 1);
-        CHECK(rates[1].taken_for == "ball");
-        CHECK(rates[1].times == 3);
-        CHECK(rates[2].name == "arm");
-        CHECK(rates[2].sensitivity == 0.8);
-        CHECK(rates[2].precision == 8.0 / 9);
-        CHECK(rates[2].images == 10);
-        const std::string text = markdown({row});
-        CHECK(has(text, "## How well net 7x13 knows each class\n"));
-        CHECK(has(text, "| key | 10 | 70.0 | 100.0 | ball, 3 of 10 |\n"));
-        CHECK(has(text, "| key | | 3 | 7 |\n")); // the confusion matrix
-    }
-
-    TEST_CASE("class_rates: classes without images, or that nothing is taken for") {
-        const study_row row = confused({"none", "never", "sure"}, {0, 0, 0, //
-                                                                   0, 0, 5, //
-                                                                   0, 0, 5});
-        const std::vector<class_rate> rates = class_rates(row);
-        CHECK(rates[0].name == "never");
-        CHECK(rates[0].sensitivity == 0);
-        CHECK(std::isnan(rates[0].precision));
-        CHECK(rates[1].name == "sure");
-        CHECK(rates[1].taken_for.empty());
-        CHECK(rates[2].name == "none"); // nothing is known of it
-        CHECK(std::isnan(rates[2].worst()));
-        const std::string text = markdown({row});
-        CHECK(has(text, "| none | 0 | | | |\n"));
-        CHECK(!has(text, "nan"));
     }
 
     TEST_CASE("study_pictures: methods by family, and the Pareto front with names that do not overlap") {
