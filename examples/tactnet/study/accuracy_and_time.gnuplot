@@ -2,6 +2,7 @@
 #     gnuplot -c accuracy_and_time.gnuplot accuracy_and_time.csv png > accuracy_and_time.png
 set datafile separator ","
 set datafile columnheaders
+set datafile missing NaN
 if (ARG2 eq "svg") { set terminal svg size 900,600 dynamic font "sans-serif,13" noenhanced } \
 else { if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size 1100,700 font ",11" noenhanced } \
 else { set terminal png size 1100,700 noenhanced } }
