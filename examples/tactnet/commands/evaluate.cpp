@@ -222,29 +222,23 @@ int evaluate_weights(const evaluate_options& o) {
                   fmt::to_string(result.confusion.total()), fmt::to_string(result.confusion.correct()),
                   fmt::format("{:.2f}", 100 * result.confusion.accuracy()),
                   std::isnan(result.loss) ? "none" : fmt::format("{:.4f}", result.loss)}}));
-    const calibration probabilities = calibration_of(result, chosen, data, weights.scaling);
-    if (!result.logits.empty()) {
-        plot_reliability(stem("reliability_"), o.weights.weights, probabilities);
-        table_cells cells{{"probabilities", "calibration error, %", "Brier score"}};
-        const auto add = [&](const std::string& by, const tactnet::reliability_diagram& of) {
-            cells.push_back({by, fmt::format("{:.2f}", 100 * of.calibration_error()),
-                             fmt::format("{:.4f}", of.brier_score())});
-        };
-        add("of the softmax", probabilities.before);
-        add(fmt::format("at temperature {:.3f}", weights.scaling.temperature), probabilities.after);
-        print('\n' + table(cells));
+    if (result.logits.empty())
+        return success;
+    study_row row{.method = what.name,
+                  .rows = what.rows,
+                  .columns = what.columns,
+                  .recipe = {},
+                  .bits = weights.trained->bits(),
+                  .probabilities = calibration_of(result, chosen, data, weights.scaling)};
+    plot_reliability(stem("reliability_"), o.weights.weights, *row.probabilities);
+    if (!what.pretrained()) {
+        row.decisions = sets_of_classes(weights.trained->evaluate(data.view(), split.validation, threads),
+                                        result, data, split);
+        add_means(row.decisions, faults_of_sensor(*weights.trained, data, chosen, 0, threads));
     }
-    if (!result.logits.empty() && !what.pretrained()) {
-        decision_means decisions = sets_of_classes(
-            weights.trained->evaluate(data.view(), split.validation, threads), result, data, split);
-        add_means(decisions, faults_of_sensor(*weights.trained, data, chosen, 0, threads));
-        table_cells cells{{"decisions", "mean"}};
-        for (const decision_column& column : decision_columns)
-            if (const std::string mean = text_of(decisions, column); !mean.empty())
-                cells.push_back({std::string(column.title), mean});
-        if (cells.size() > 1)
-            print('\n' + table(cells));
-    }
+    for (const study_table& t : {probabilities_table({row}), decisions_table({row})})
+        if (t.cells.size() > 1)
+            print('\n' + table(without_empty_columns(t.cells)));
     return success;
 }
 

@@ -211,20 +211,6 @@ output_files files_for(const method& what, const train_options& o) {
     return files;
 }
 
-/// `training`: nothing for a support vector machine, which has no learning curve.
-void write_reports(const train_options& o, const std::filesystem::path& reports, std::string_view recipe,
-                   const network_training* training, const tactnet::confusion_matrix& test,
-                   const std::vector<std::string>& classes) {
-    const std::string title = fmt::format("{} {}x{}", o.method, o.training.rows, o.training.columns);
-    make_folder_of(reports);
-    if (training != nullptr)
-        plot_learning_curves(reports.string() + ".learning", fmt::format("{}, {} recipe", title, recipe),
-                             training->history());
-    if (test.total() > 0)
-        plot_confusion(reports.string() + ".confusion",
-                       fmt::format("{}, {} split {}", title, o.split, o.seed), test, classes);
-}
-
 /// Tests and writes the result of a training. Returns a line about it.
 std::string finish(const train_options& o, const output_files& files, const image_data& data,
                    const training_run& training, const method& what, tactnet::file_metadata metadata,
@@ -252,7 +238,15 @@ std::string finish(const train_options& o, const output_files& files, const imag
 
     make_folder_of(files.weights);
     best->save(files.weights, metadata, selftest_images(o.selftest, o.training.rows, o.training.columns));
-    write_reports(o, files.reports, recipe_for(what, o.training).name, epochs, test.confusion, classes);
+    const std::string title = fmt::format("{} {}x{}", o.method, what.rows, what.columns),
+                      reports = files.reports.string();
+    if (epochs != nullptr) // a support vector machine has no learning curve
+        plot_learning_curves(reports + ".learning",
+                             fmt::format("{}, {} recipe", title, recipe_for(what, o.training).name),
+                             epochs->history());
+    if (test.confusion.total() > 0)
+        plot_confusion(reports + ".confusion", fmt::format("{}, {} split {}", title, o.split, o.seed),
+                       test.confusion, classes);
     std::error_code ignored; // a finished training has nothing to go on with
     if (epochs != nullptr)
         std::filesystem::remove(files.checkpoint, ignored);

@@ -129,17 +129,18 @@ TEST_SUITE("program") {
 
     TEST_CASE("output_files: names are tried before the work") {
         const workshop shop;
-        const auto refuses = [&](const std::string& output, const std::string& sentence) {
+        const std::string too_long = "'File name too long'";
+        for (const auto& [output, sentence] : std::initializer_list<std::pair<std::string, std::string>>{
+                 {std::string(300, 'a'),
+                  "expected the name of a file that can be written, found " + too_long},
+                 {"new/" + std::string(300, 'a') + "/net", too_long},
+                 {std::string(250, 'a'), too_long}, // its reports' names are longer
+                 {"/dev/null", "--output: expected the name of a file to write, found a device or a pipe at "
+                               "/dev/null"}}) {
             // A training that has begun would report its first progress.
             const std::string error = shop.refuses(shop.train_arguments({"--output", output}), sentence);
             says_not(error, "to train");
-        };
-        refuses(std::string(300, 'a'),
-                "expected the name of a file that can be written, found 'File name too long'");
-        refuses("new/" + std::string(300, 'a') + "/net", "'File name too long'");
-        refuses(std::string(250, 'a'), "'File name too long'"); // its reports' names are longer
-        refuses("/dev/null",
-                "--output: expected the name of a file to write, found a device or a pipe at /dev/null");
+        }
         shop.refuses(shop.train_arguments("--output net --checkpoint /dev/null"),
                      "--checkpoint: expected the name of a file to write, found a device or a pipe");
         CHECK(fs::exists("/dev/null"));

@@ -205,23 +205,24 @@ TEST_SUITE("program") {
         for (const char* name : {"pipe", "pipe.png"})
             REQUIRE(mkfifo((shop / name).c_str(), 0600) == 0);
         const std::string found = "expected a regular file, found a named pipe";
-        shop.refuses("classify --weights net pipe.png", "pipe.png: " + found);
-        shop.refuses("classify --weights pipe IMAGE", "pipe: " + found);
-        shop.refuses("classify --weights net --classes pipe IMAGE", "pipe: " + found);
-        shop.refuses(shop.train_arguments("--start pipe --output x"), "pipe: " + found);
+        fs::create_directory(shop / "made");
+        fs::create_directory(shop / "r");
+        for (const char* name : {"made/simulation.json", "r/evaluation.jsonl"})
+            REQUIRE(mkfifo((shop / name).c_str(), 0600) == 0);
+        shop.refuses_each({
+            {"classify --weights net pipe.png", "pipe.png: " + found},
+            {"classify --weights pipe IMAGE", "pipe: " + found},
+            {"classify --weights net --classes pipe IMAGE", "pipe: " + found},
+            {shop.train_arguments("--start pipe --output x"), "pipe: " + found},
+            {"simulate --out made", "simulation.json: " + found},
+            {"evaluate --data DATA --method svm-linear --rows 7 --columns 13 --results r",
+             "evaluation.jsonl: " + found},
+        });
         // One that a shell made ends with its writer, and is read.
         const auto piped =
             run_program("cat '" + shop.image().string() + "' | " TACTNET_PROGRAM " classify --weights '" +
                         (shop / "net").string() + "' /dev/stdin");
         CHECK_MESSAGE(piped.status == 0, piped.error);
-
-        fs::create_directory(shop / "made");
-        REQUIRE(mkfifo((shop / "made/simulation.json").c_str(), 0600) == 0);
-        shop.refuses("simulate --out made", "simulation.json: " + found);
-        fs::create_directory(shop / "r");
-        REQUIRE(mkfifo((shop / "r/evaluation.jsonl").c_str(), 0600) == 0);
-        shop.refuses("evaluate --data DATA --method svm-linear --rows 7 --columns 13 --results r",
-                     "evaluation.jsonl: " + found);
 
         REQUIRE(mkfifo((shop.data() / "right" / "image99.png").c_str(), 0600) == 0);
         shop.refuses(shop.train_arguments("--output x"), "image99.png: " + found);

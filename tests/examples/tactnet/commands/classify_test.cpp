@@ -15,43 +15,40 @@ TEST_SUITE("program") {
     TEST_CASE("classify: bad weight files") {
         const workshop shop;
         shop.trains("--epochs 2 --output net");
-        const auto refuses = [&](const words& arguments, const std::string& sentence) {
-            shop.refuses("classify IMAGE" + arguments, sentence);
-        };
-        refuses("--weights nothing", "nothing: expected a file, found nothing of that name");
-        refuses("--weights net --method tactnet6",
-                "net: expected weights of tactnet6 as --method says, found those of tactnet4");
-        refuses("--weights net --rows 9",
-                "--rows, --columns: expected a size that tactnet4 was compiled for (");
-
         const auto whole = text_of(shop / "net");
         for (const std::size_t length :
              {std::size_t{0}, std::size_t{5}, whole.size() / 2, whole.size() - 1}) {
             tactnet::write_file(shop / "cut", std::string_view(whole).substr(0, length));
-            refuses("--weights cut", "cut: ");
+            shop.refuses("classify IMAGE --weights cut", "cut: ");
         }
         rewrite(shop / "net", shop / "nan", "conv2.weight",
                 [](std::vector<float>& v) { v[7] = std::numeric_limits<float>::quiet_NaN(); });
-        refuses("--weights nan",
-                "nan: tensor 'conv2.weight', element 7: expected a finite number, found nan");
         rewrite(shop / "net", shop / "moved", "fc.bias", [](std::vector<float>& v) { v[0] += 3; });
-        refuses("--weights moved", "moved: self-test, image 0, class 0: expected the logit ");
-
-        // Named as another network.
         tactnet::safetensors_writer writer = copy_of(tactnet::safetensors::read(shop / "net"));
         writer.metadata = {{"rows", "of a table"}}; // another program's word
         writer.write(shop / "bare");
-        refuses("--weights bare", "bare: expected metadata that say which method it is for, or "
-                                  "--method, --rows and --columns, found neither");
-        refuses(
-            "--weights bare --method tactnet6-economical --rows 7 --columns 13",
-            "bare: expected the 32 arrays of this network, found 12 missing: 'conv4.weight' of 64x32x3x3, "
-            "'conv4.bias' of 64, ");
+        tactnet::write_file(shop / "names", "one\ntwo\n");
+        shop.refuses_each({
+            {"classify IMAGE --weights nothing", "nothing: expected a file, found nothing of that name"},
+            {"classify IMAGE --weights net --method tactnet6",
+             "net: expected weights of tactnet6 as --method says, found those of tactnet4"},
+            {"classify IMAGE --weights net --rows 9",
+             "--rows, --columns: expected a size that tactnet4 was compiled for ("},
+            {"classify IMAGE --weights nan",
+             "nan: tensor 'conv2.weight', element 7: expected a finite number, found nan"},
+            {"classify IMAGE --weights moved", "moved: self-test, image 0, class 0: expected the logit "},
+            {"classify IMAGE --weights bare",
+             "bare: expected metadata that say which method it is for, or --method, --rows and --columns, "
+             "found neither"},
+            {"classify IMAGE --weights bare --method tactnet6-economical --rows 7 --columns 13",
+             "bare: expected the 32 arrays of this network, found 12 missing: 'conv4.weight' of 64x32x3x3, "
+             "'conv4.bias' of 64, "},
+            {"classify IMAGE --weights net --classes names",
+             "names: expected 3 class names, as net has, found 2"},
+        });
         const words bare("classify IMAGE --weights bare --method tactnet4 --rows 7 --columns 13");
         says(shop.run(bare).out, ",class_00,");
         says(shop.run(bare + "--classes DATA").out, ",left,");
-        tactnet::write_file(shop / "names", "one\ntwo\n");
-        refuses("--weights net --classes names", "names: expected 3 class names, as net has, found 2");
 
         // Other classes, and other images, than those it was trained on.
         fs::rename(shop.data() / "right", shop.data() / "a third");

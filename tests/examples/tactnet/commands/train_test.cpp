@@ -55,7 +55,7 @@ TEST_SUITE("program") {
         // Probabilities are of a temperature that the validation images gave; files without one have 1.
         const double temperature = std::stod(file.metadata().at("temperature"));
         CHECK(temperature != 1);
-        says(tested.out, fmt::format("at temperature {:.3f}", temperature));
+        says(tested.out, fmt::format(" {:.2f} ", temperature));
         CHECK(fs::exists(shop / "results/reliability_net.csv"));
         tactnet::safetensors_writer without = copy_of(file);
         without.metadata.erase("temperature");

@@ -66,27 +66,27 @@ TEST_SUITE("program") {
 
     TEST_CASE("train: of 8 bits, what has no such form says so") {
         const workshop shop;
-        shop.refuses(
-            shop.train_arguments("--method svm-linear --bits 8 --output x"),
-            "--bits: expected a network that is trained from random weights, found the support vector "
-            "machine svm-linear, which has no form in 8 bits");
-        shop.refuses(
-            shop.train_arguments("--method tactnet6-economical --bits 8 --output x"),
-            "--bits: expected a network whose form in 8 bits was compiled in, found "
-            "tactnet6-economical 7x13; those are chosen when building, by TACTNET_PROGRAM_EIGHT_BIT");
-        shop.refuses(shop.train_arguments("--bits 7 --output x"), "--bits");
-        shop.refuses(evaluate_arguments("--method tactnet4,svm-linear --bits 8"),
-                     "found the support vector machine svm-linear, which has no form in 8 bits");
-        // A file in 8 bits of a network that was compiled in single precision alone.
+        // A file in 8 bits of a network that was compiled in single precision alone, and of other bits.
         shop.trains("--epochs 1 --bits 8 --output net");
         rewrite_metadata(shop / "net", shop / "other", "network", "tactnet6-economical");
-        shop.refuses(
-            "export --weights other --output x.hpp",
-            "other: metadata 'bits': expected weights in single precision, or a network whose form in 8 "
-            "bits was compiled in");
-        rewrite_metadata(shop / "net", shop / "other", "bits", "4");
-        shop.refuses("export --weights other --output x.hpp",
-                     "other: metadata 'bits': expected '8', or none for single precision, found '4'");
+        rewrite_metadata(shop / "net", shop / "four", "bits", "4");
+        const auto training = [&](const words& more) { return shop.train_arguments(more); };
+        shop.refuses_each({
+            {training("--method svm-linear --bits 8 --output x"),
+             "--bits: expected a network that is trained from random weights, found the support vector "
+             "machine svm-linear, which has no form in 8 bits"},
+            {training("--method tactnet6-economical --bits 8 --output x"),
+             "--bits: expected a network whose form in 8 bits was compiled in, found "
+             "tactnet6-economical 7x13; those are chosen when building, by TACTNET_PROGRAM_EIGHT_BIT"},
+            {training("--bits 7 --output x"), "--bits: 7 not in {"},
+            {evaluate_arguments("--method tactnet4,svm-linear --bits 8"),
+             "found the support vector machine svm-linear, which has no form in 8 bits"},
+            {"export --weights other --output x.hpp",
+             "other: metadata 'bits': expected weights in single precision, or a network whose form in 8 "
+             "bits was compiled in"},
+            {"export --weights four --output x.hpp",
+             "four: metadata 'bits': expected '8', or none for single precision, found '4'"},
+        });
     }
 
     TEST_CASE("export: with --bits 8 a file in single precision becomes one in 8 bits, or such a header") {
@@ -112,24 +112,23 @@ TEST_SUITE("program") {
         CHECK((text_of(shop / "a.hpp") == text_of(shop / "b.hpp"))); // a failure does not print the texts
         shop.succeeds("export --weights float.safetensors --bits 8 --data DATA --images all --output c.hpp");
 
-        const auto refuses = [&](words more, const std::string& sentence) {
-            more.insert(more.begin(), "export");
-            shop.refuses(more, sentence);
-        };
-        refuses("--weights float.safetensors --bits 8 --output x.hpp",
-                "--bits: expected --data with the images of the training");
-        refuses("--weights float.safetensors --data DATA --output x.hpp",
-                "--data: expected --bits 8, for which images are");
-        refuses("--weights float.safetensors --output x.safetensors",
-                "--output: expected --bits 8, with which a weight file becomes another");
-        refuses("--weights bytes.safetensors --bits 8 --data DATA --output x.hpp",
-                "bytes.safetensors: metadata 'bits': expected weights in single precision");
-        refuses("--weights float.safetensors --bits 8 --data DATA --classes DATA --output x.safetensors",
-                "--classes: expected a header to write, found a weight file");
+        const std::string of_floats = "export --weights float.safetensors ";
+        shop.refuses_each({
+            {(of_floats + "--bits 8 --output x.hpp").c_str(),
+             "--bits: expected --data with the images of the training"},
+            {(of_floats + "--data DATA --output x.hpp").c_str(),
+             "--data: expected --bits 8, for which images"},
+            {(of_floats + "--output x.safetensors").c_str(),
+             "--output: expected --bits 8, with which a weight file becomes another"},
+            {"export --weights bytes.safetensors --bits 8 --data DATA --output x.hpp",
+             "bytes.safetensors: metadata 'bits': expected weights in single precision"},
+            {(of_floats + "--bits 8 --data DATA --classes DATA --output x.safetensors").c_str(),
+             "--classes: expected a header to write, found a weight file"},
+        });
         // Images of another training.
         fs::remove(shop.data() / "left" / "image2.png");
-        refuses("--weights float.safetensors --bits 8 --data DATA --output x.hpp",
-                "expected the images that float.safetensors was trained on");
+        shop.refuses((of_floats + "--bits 8 --data DATA --output x.hpp").c_str(),
+                     "expected the images that float.safetensors was trained on");
     }
 
     TEST_CASE("evaluate: with --bits 8 each training is reported in both formats, and done once") {
