@@ -26,8 +26,8 @@
 #include <tactnet/layers/pooling/average_pool.hpp>
 #include <tactnet/layers/pooling/max_pool.hpp>
 #include <tactnet/layers/resizing/upsample.hpp>
-#include <tactnet/layers/transposed_conv2d.hpp>
 #include <tactnet/layers/time/causal_conv1d.hpp>
 #include <tactnet/layers/time/gru.hpp>
 #include <tactnet/layers/time/last_frame.hpp>
 #include <tactnet/layers/time/lstm.hpp>
+#include <tactnet/layers/transposed_conv2d.hpp>

@@ -51,7 +51,8 @@ constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight
 #ifdef CASE_sequences
 // expect: deploy: a network of sequences runs frame by frame, in single precision: use deploy_stream
 // at-most: 1
-using net = tactnet::network<tactnet::shape{20, 1, 3}, tactnet::gru<8>, tactnet::last_frame, tactnet::dense<2>>;
+using net =
+    tactnet::network<tactnet::shape{20, 1, 3}, tactnet::gru<8>, tactnet::last_frame, tactnet::dense<2>>;
 constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight_bytes;
 #endif
 

@@ -28,7 +28,8 @@ const auto made = tactnet::deploy(net{});
 #ifdef CASE_sequences_as_frames
 // expect: deploy: a network of sequences runs frame by frame, in single precision: use deploy_stream
 // at-most: 1
-using net = tactnet::network<tactnet::shape{20, 1, 3}, tactnet::gru<8>, tactnet::last_frame, tactnet::dense<3>>;
+using net =
+    tactnet::network<tactnet::shape{20, 1, 3}, tactnet::gru<8>, tactnet::last_frame, tactnet::dense<3>>;
 const auto made = tactnet::deploy(net{});
 #endif
 
