@@ -10,6 +10,7 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
+/// Whether the padding of a transposed convolution on each side is smaller than its kernel.
 template <std::size_t KernelRows, std::size_t KernelColumns, std::size_t MostRowsOfPadding,
           std::size_t MostColumnsOfPadding>
 concept padding_below_kernel = (MostRowsOfPadding < KernelRows) && (MostColumnsOfPadding < KernelColumns);
