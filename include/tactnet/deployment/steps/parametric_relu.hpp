@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/kernels/frame/elementwise.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -33,11 +34,7 @@ struct parametric_relu_step<single_precision, Map, Stride> : step_base<single_pr
         return most * input;
     }
     static void run(const float* slopes, const float* in, float* out, float*) noexcept {
-        for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride)
-            for (std::size_t c = 0; c < Stride; ++c) {
-                const float x = in[pixel + c], below = slopes[c] * x;
-                out[pixel + c] = x > 0 ? x : below;
-            }
+        kernels::scale_negative<Stride>(Map.area(), slopes, in, out);
     }
 };
 

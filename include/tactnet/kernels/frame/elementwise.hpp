@@ -2,6 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/elementwise.hpp>
+#include <tactnet/kernels/frame/pooling.hpp>
 #include <tactnet/kernels/local_response.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
 
@@ -12,8 +13,8 @@
 #include <type_traits>
 #include <utility>
 
-// Operations on one frame, element by element or pixel by pixel: normalisation of its counts, square roots,
-// local response normalisation.
+// Operations on one frame, element by element or pixel by pixel: normalisation of its counts, slopes below
+// zero, local response normalisation.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
@@ -61,6 +62,20 @@ void transform_map(auto&& operation, const float* input, float* output) {
         transform_vectors(operation, lanes<float>, rest.data(), std::as_const(rest).data());
         std::copy_n(rest.begin(), Count - whole, output + whole);
     }
+}
+
+/// output = x above 0, otherwise x × the slope of its channel, rounded once. `Stride` elements from one pixel
+/// to the next, in both maps, and slopes.
+template <std::size_t Stride>
+void scale_negative(std::size_t pixels, const float* slopes, const float* input, float* output) {
+    using wide = typename decltype(pixel_vector<float, Stride>())::type;
+    using access = pixel_access<wide>;
+    constexpr std::size_t width = sizeof(wide) / sizeof(float);
+    for (std::size_t p = 0; p < pixels; ++p, input += Stride, output += Stride)
+        for (std::size_t c = 0; c < Stride; c += width) {
+            const wide x = access::load(input + c), above = access::larger(x, wide(0.0f));
+            access::store(output + c, fused_multiply_add(access::load(slopes + c), x - above, above));
+        }
 }
 
 /// Local response normalisation along the channels of each pixel, `Stride` elements from one pixel to the
