@@ -13,8 +13,8 @@
 #include <type_traits>
 #include <utility>
 
-// Operations on one frame, element by element or pixel by pixel: normalisation of its counts, slopes below
-// zero, local response normalisation.
+// Operations on one frame, element by element or pixel by pixel: normalisation of its counts, square roots,
+// slopes below zero, local response normalisation.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
