@@ -30,14 +30,15 @@ using large_network =
     network<shape{40, 44, 3}, conv2d<wide, 5, 2>, batch_norm, relu, max_pool<3, 2, padding::valid>,
             residual<sequence<conv2d<2 * wide, 1>, batch_norm, relu, conv2d<wide, 3>, batch_norm>>, relu,
             conv2d<144 * vector, 1>, relu, max_pool<3, 3, padding::valid>, conv2d<4 * vector, 3>, dense<10>>;
-/// What large networks are made of besides: branches side by side, groups, a projection as skip; and a kernel
-/// of 2 × 2, whose tiles have nine elements.
+/// What large networks are made of besides: branches side by side, groups, norms with moments of each frame,
+/// a gate, a projection as skip; and a kernel of 2 × 2, whose tiles have nine elements.
 using branched_network =
     network<shape{40, 44, 3}, conv2d<wide, 5, 2>, relu,
             concatenation<sequence<conv2d<wide, 1>, relu>, sequence<conv2d<wide, 3>, relu>>,
             conv2d<144 * vector, 1>, relu, max_pool<3, 3, padding::valid>,
             conv2d<wide, 3, 1, padding::same, in_groups(2)>, relu,
-            conv2d<wide, 3, 1, padding::same, in_groups(wide)>, relu,
+            conv2d<wide, 3, 1, padding::same, in_groups(wide)>, relu, group_norm<2>, relu,
+            squeeze_excitation<wide, 4>, layer_norm<norm_over::channels>,
             residual<sequence<conv2d<16, 3>, relu, conv2d<16, 1>>, sequence<conv2d<16, 1>>>, relu,
             conv2d<8, 2, 1, padding::valid>, relu, dense<10>>;
 
