@@ -105,7 +105,8 @@ struct stream_step<recurrent<Cell, Hidden>, Input> {
                                    kept.data());
         std::copy_n(s.elements.data(), units, out);
     }
-    /// No state is above 2²⁴: each frame adds at most 1 to a cell's content, which rounds it away there.
+    /// The content of an LSTM stays below 2²⁴: a frame adds at most 1, which is rounded away there. Hidden
+    /// states leave −1 … 1 by roundings alone.
     [[nodiscard]] static double output_bound(const float* values, double input) {
         constexpr double most_content = 0x1p24;
         return most_content +
