@@ -82,14 +82,14 @@ TEST_CASE_TEMPLATE("norms of samples: a frame without deviation becomes the shif
     }
 }
 
-TEST_CASE("norms of samples: large offsets cost no more than a rounding") {
+TEST_CASE("group_norm: large offsets cost no more than a rounding") {
     CHECK(outputs_outside(frame_of(0, 1)) == 0);
     CHECK(outputs_outside(frame_of(2e4F, 0.125F), 1e-12) == 0);
     CHECK(outputs_outside(frame_of(1e6F, 2)) == 0);
     CHECK(outputs_outside(frame_of(-1e30F, 1e25F)) == 0);
 }
 
-TEST_CASE("norms of samples: huge and tiny values cost no more than a rounding") {
+TEST_CASE("group_norm: huge and tiny values cost no more than a rounding") {
     CHECK(outputs_outside(frame_of(0, 1e20F)) == 0);
     CHECK(outputs_outside(frame_of(0, std::numeric_limits<float>::max())) == 0);
     CHECK(outputs_outside(frame_of(0, 1e-20F), 1e-12) == 0);

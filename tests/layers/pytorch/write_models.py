@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes a weight file for each network of layers_pytorch_test.cpp: what PyTorch's own layers make of images of
+"""Writes a weight file for each network of norms_and_gates.cpp: what PyTorch's own layers make of images of
 odd sizes, as a self-test that load_model repeats.
 
 Parameters are drawn, so that none hides a mistake, and the logits are computed in double precision.
