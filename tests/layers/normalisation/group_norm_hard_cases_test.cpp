@@ -71,7 +71,7 @@ std::vector<float> frame_of(float middle, float range) {
 
 } // namespace
 
-TEST_CASE_TEMPLATE("norms of samples: a frame without deviation becomes the shift, wherever it lies", Norm,
+TEST_CASE_TEMPLATE("group_norm: a frame without deviation becomes the shift, wherever it lies", Norm,
                    group_norm<2>, instance_norm, layer_norm<norm_over::frame>,
                    layer_norm<norm_over::channels>) {
     for (const float level :
@@ -101,7 +101,7 @@ TEST_CASE("group_norm: huge and tiny values cost no more than a rounding") {
     CHECK(outputs_outside(frame) == 0);
 }
 
-TEST_CASE_TEMPLATE("norms of samples: a NaN is seen in its sample and in no other", Norm, group_norm<2>,
+TEST_CASE_TEMPLATE("group_norm: a NaN is seen in its sample and in no other", Norm, group_norm<2>,
                    layer_norm<norm_over::frame>, layer_norm<norm_over::channels>) {
     const auto layer = support::make_layer<Norm, float, image>();
     const aligned_vector<float> values(layer->parameters, 1.0F);
