@@ -11,7 +11,7 @@ constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight
 #endif
 
 #ifdef CASE_gate_first
-// expect: in 8 bits a network cannot begin with a pool or a ReLU: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling or an activation: a convolution, a dense layer or a batch norm
 // at-most: 4
 using net = tactnet::network<tactnet::shape{4, 4, 2}, tactnet::squeeze_excitation<2, 1>, tactnet::dense<2>>;
 constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight_bytes;
