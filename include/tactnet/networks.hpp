@@ -11,5 +11,6 @@
 #include <tactnet/networks/published.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/networks/tactnet4.hpp>
+#include <tactnet/networks/tactnet4_strided.hpp>
 #include <tactnet/networks/tactnet6.hpp>
 #include <tactnet/networks/tactresnet.hpp>

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <tactnet/layers.hpp>
+#include <tactnet/networks/network.hpp>
+#include <tactnet/networks/published.hpp>
+
+#include <cstddef>
+
+// Networks of TactNet-4's layers whose windows lie symmetrically on every map, so that an image and its
+// reflections are sampled at the same places. With stride 2, a window of 2 pixels does so along an even side,
+// and one of 3 along an odd side. TactNet-4 takes 2 everywhere; along odd sides its last window hangs over
+// the edge. Objects lie on the array either way round, so it has to learn each of them in several positions.
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// The window that lies symmetrically, with stride 2 and `padding::same`, on an image whose sides were halved
+/// `halvings` times, rounding up. It has `even` pixels, an even number, along an even side, and one more
+/// along an odd side.
+[[nodiscard]] constexpr extent2d symmetric_window(std::size_t rows, std::size_t columns, std::size_t even,
+                                                  std::size_t halvings) {
+    const auto side = [&](std::size_t size) {
+        for (std::size_t i = 0; i < halvings; ++i)
+            size = (size + 1) / 2;
+        return even + size % 2;
+    };
+    return {side(rows), side(columns)};
+}
+
+/// Filters of the three convolutions.
+struct tactnet4_filters {
+    std::size_t conv1 = 8, conv2 = 16, conv3 = 32;
+};
+
+/// TactNet-4 with symmetric windows, where a stride of the first convolution takes the place of the first
+/// pool. The later convolutions have 3 × 3 kernels at every size.
+template <shape Input, std::size_t Classes, tactnet4_filters Filters = tactnet4_filters{}>
+using tactnet4_strided =
+    network<Input,                                                                       //
+            conv2d<Filters.conv1, symmetric_window(Input.rows, Input.columns, 4, 0), 2>, //
+            batch_norm, relu,                                                            //
+            conv2d<Filters.conv2, 3>, batch_norm, relu,                                  //
+            max_pool<symmetric_window(Input.rows, Input.columns, 2, 1), 2>,              //
+            conv2d<Filters.conv3, 3>, batch_norm, relu,                                  //
+            max_pool<symmetric_window(Input.rows, Input.columns, 2, 2), 2>,              //
+            dense<detail::classes_on<Input.rows, Input.columns, Classes>::count>>;
+
+/// As tactnet4_strided, with more filters.
+template <shape Input, std::size_t Classes>
+using tactnet4_wide = tactnet4_strided<Input, Classes, tactnet4_filters{16, 24, 48}>;
+
+/// As tactnet4_wide, with a pool after the first convolution too, which halves the maps of the others.
+template <shape Input, std::size_t Classes, tactnet4_filters Filters = tactnet4_filters{16, 24, 48}>
+using tactnet4_small = network<Input,                                                                       //
+                               conv2d<Filters.conv1, symmetric_window(Input.rows, Input.columns, 4, 0), 2>, //
+                               batch_norm, relu,                                                            //
+                               max_pool<symmetric_window(Input.rows, Input.columns, 2, 1), 2>,              //
+                               conv2d<Filters.conv2, 3>, batch_norm, relu,                                  //
+                               max_pool<symmetric_window(Input.rows, Input.columns, 2, 2), 2>,              //
+                               conv2d<Filters.conv3, 3>, batch_norm, relu,                                  //
+                               max_pool<symmetric_window(Input.rows, Input.columns, 2, 3), 2>,              //
+                               dense<detail::classes_on<Input.rows, Input.columns, Classes>::count>>;
+
+}} // namespace tactnet
