@@ -38,7 +38,7 @@ using mixed_network = tactnet::network<
     tactnet::layer_norm<tactnet::norm_over::channels>, tactnet::layer_norm<tactnet::norm_over::frame>,
     tactnet::local_response_norm<>, tactnet::square_root<>, tactnet::leaky_relu<200>,
     tactnet::parametric_relu, tactnet::relu6, tactnet::hard_swish, tactnet::hard_sigmoid, tactnet::silu,
-    tactnet::gelu, tactnet::sigmoid, tactnet::hyperbolic_tangent, tactnet::softplus,
+    tactnet::gelu, tactnet::sigmoid, tactnet::hyperbolic_tangent, tactnet::elu<>, tactnet::softplus,
     tactnet::average_pool<2, 1>, tactnet::adaptive_max_pool<tactnet::extent2d{3, 2}>, tactnet::upsample<2>,
     tactnet::upsample_to<tactnet::extent2d{2, 3}, tactnet::interpolation::bilinear>,
     tactnet::transposed_conv2d<2, 3, 2>, tactnet::dense<3>, tactnet::softmax>;

@@ -11,7 +11,8 @@ namespace {
 using smooth = network<shape{7, 9, 2}, conv2d<5, 3>, silu, conv2d<6, 3>, batch_norm, gelu, max_pool<2>,
                        conv2d<3, 2>, softplus, hyperbolic_tangent, sigmoid, dense<4>>;
 using clamped = network<shape{5, 6, 3}, conv2d<7, 3>, hard_swish, conv2d<6, 3>, batch_norm, relu6,
-                        conv2d<3, 2>, leaky_relu<>, hard_sigmoid, conv2d<9, 1>, leaky_relu<200>, dense<4>>;
+                        conv2d<3, 2>, leaky_relu<>, hard_sigmoid, conv2d<9, 1>, elu<>, conv2d<4, 2>, elu<300>,
+                        leaky_relu<200>, dense<4>>;
 using sloped = network<shape{7, 9, 2}, conv2d<5, 3>, parametric_relu, conv2d<16, 3>, batch_norm,
                        parametric_relu, max_pool<2>, conv2d<33, 2>, parametric_relu, dense<4>>;
 

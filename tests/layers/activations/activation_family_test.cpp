@@ -12,7 +12,8 @@
 using namespace tactnet;
 
 TEST_CASE_TEMPLATE("activations: what must hold of every layer", Activation, leaky_relu<>, leaky_relu<200>,
-                   relu6, hard_sigmoid, hard_swish, sigmoid, silu, hyperbolic_tangent, softplus, gelu) {
+                   relu6, hard_sigmoid, hard_swish, sigmoid, silu, hyperbolic_tangent, elu<>, elu<300>,
+                   elu<2500>, softplus, gelu) {
     support::check_layer<Activation, shape{5, 4, 3}>();
     support::check_layer<Activation, shape{1, 1, 1}>({.low = -4, .high = 7});
     // After a layer that needs its output, before one that writes over its input.
@@ -21,8 +22,8 @@ TEST_CASE_TEMPLATE("activations: what must hold of every layer", Activation, lea
 }
 
 TEST_CASE_TEMPLATE("activations: NaN stays NaN, large inputs have the limits as values", Activation,
-                   leaky_relu<>, relu6, hard_sigmoid, hard_swish, sigmoid, silu, hyperbolic_tangent, softplus,
-                   gelu) {
+                   leaky_relu<>, relu6, hard_sigmoid, hard_swish, sigmoid, silu, hyperbolic_tangent, elu<>,
+                   elu<300>, softplus, gelu) {
     constexpr float large = std::numeric_limits<float>::max();
     using bound = typename Activation::template layer<float, shape{1, 3, 1}>;
     batch<float, shape{1, 3, 1}, kernels::lanes<float>> in(1), out(1);
@@ -67,6 +68,8 @@ TEST_CASE("activations: within their units in the last place") {
     CHECK(worst_error<sigmoid_function>(80) <= 4);
     CHECK(worst_error<silu_function>(80) <= 5);
     CHECK(worst_error<hyperbolic_tangent_function>(80) <= 2);
+    CHECK(worst_error<elu_function<1000>>(80) <= 5);
+    CHECK(worst_error<elu_function<300>>(80) <= 5);
     CHECK(worst_error<softplus_function>(80) <= 4);
     CHECK(worst_error<gelu_function>(12) <= 10);
     static_assert(sigmoid_function::value(0.0) == 0.5 && gelu_function::value(0.0) == 0,

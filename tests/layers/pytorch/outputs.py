@@ -19,6 +19,8 @@ LAYERS = {
     "adaptive_max_pool": (nn.AdaptiveMaxPool2d((3, 4)), "pool1", (2, 7, 11)),
     "adaptive_max_pool_larger": (nn.AdaptiveMaxPool2d((9, 2)), "pool1", (3, 5, 7)),
     "conv2d": (nn.Conv2d(6, 9, (3, 2), (2, 1), 1, groups=3), "conv1", (6, 7, 5)),
+    "elu": (nn.ELU(), "elu1", (5, 7, 3)),
+    "elu_small": (nn.ELU(0.3), "elu1", (3, 5, 7)),
     "parametric_relu": (nn.PReLU(5), "prelu1", (5, 7, 3)),
     "transposed_conv2d": (nn.ConvTranspose2d(3, 5, (3, 4), (2, 3)), "conv1", (3, 5, 7)),
     "transposed_conv2d_cropped": (nn.ConvTranspose2d(4, 7, 3, 2, 1, output_padding=1), "conv1", (4, 5, 3)),

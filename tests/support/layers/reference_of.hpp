@@ -140,6 +140,16 @@ struct reference_of<tactnet::hyperbolic_tangent> {
         return reference_activation(in, {[](double x) { return std::tanh(x); }, derivative, 4, 8});
     }
 };
+template <unsigned Thousandths>
+struct reference_of<tactnet::elu<Thousandths>> {
+    static constexpr double alpha = Thousandths / 1000.0, largest_slope = alpha > 1 ? alpha : 1;
+    static reference_pointer on(extents3 in) {
+        // The derivative below 0 is alpha + y: its error is relative to alpha.
+        return reference_activation(in, {[](double x) { return x > 0 ? x : alpha * std::expm1(x); },
+                                         [](double x) { return x > 0 ? 1 : alpha * std::exp(x); }, 10,
+                                         12 * largest_slope, largest_slope});
+    }
+};
 template <>
 struct reference_of<tactnet::softplus> {
     static reference_pointer on(extents3 in) {

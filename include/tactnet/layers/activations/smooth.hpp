@@ -3,6 +3,9 @@
 #include <tactnet/kernels/simd/special_functions.hpp>
 #include <tactnet/layers/activations/activation_function.hpp>
 
+#include <array>
+#include <concepts>
+
 // Activations with an exponential. Each is computed in vectors, and its error in single precision is bounded
 // in units in the last place. At −∞, SiLU and GELU are NaN, as in PyTorch.
 
@@ -65,6 +68,38 @@ struct hyperbolic_tangent_function {
     }
 };
 
+/// x above 0, otherwise α · (eˣ − 1), which tends to −α (Clevert, Unterthiner, Hochreiter, "Fast and accurate
+/// deep network learning by exponential linear units", 2016), within 5 units in the last place. α is in
+/// thousandths: 1000 is PyTorch's default of 1.
+template <unsigned Thousandths>
+struct elu_function {
+    static_assert(Thousandths > 0, "elu: alpha must be above 0 thousandths");
+    static constexpr const char *name = "elu", *title = "ELU", *type = "tactnet::elu_function",
+                                *header = "tactnet/layers/activations/smooth.hpp";
+    static constexpr std::array arguments{Thousandths};
+    static constexpr bool takes_vectors = true;
+
+    template <class Number>
+    static constexpr Number alpha() {
+        constexpr double exact = Thousandths / 1000.0;
+        if constexpr (std::same_as<Number, double>)
+            return exact;
+        else
+            return Number(static_cast<float>(exact));
+    }
+    /// eˣ − 1 as 2t ÷ (1 − t) with t = tanh(x ÷ 2): the difference would cancel.
+    template <class Number>
+    static constexpr Number value(const Number& x) {
+        const Number t = kernels::hyperbolic_tangent(Number(0.5F) * x);
+        return kernels::choose_lanes(x < Number(0), alpha<Number>() * ((t + t) / (Number(1) - t)), x);
+    }
+    /// α · eˣ below 0, which is y + α.
+    template <class Number>
+    static constexpr Number backward(const Number& y, const Number& gradient) {
+        return kernels::choose_lanes(y < Number(0), gradient * (y + alpha<Number>()), gradient);
+    }
+};
+
 /// log(1 + eˣ), a smooth ReLU (Dugas et al., 2001), within 4 units in the last place; 0 below −87.3.
 struct softplus_function {
     static constexpr const char *name = "softplus", *title = "Softplus", *type = "tactnet::softplus_function",
@@ -116,6 +151,9 @@ using sigmoid = activation<sigmoid_function>;
 using silu = activation<silu_function>;
 /// The layer of hyperbolic_tangent_function, in place.
 using hyperbolic_tangent = activation<hyperbolic_tangent_function>;
+/// The layer of elu_function, in place.
+template <unsigned Thousandths = 1000>
+using elu = activation<elu_function<Thousandths>>;
 /// The layer of softplus_function, in place.
 using softplus = activation<softplus_function>;
 /// The layer of gelu_function.
