@@ -15,6 +15,7 @@
 #include <tactnet/layers/composition/squeeze_excitation.hpp>
 #include <tactnet/layers/conv2d.hpp>
 #include <tactnet/layers/dense.hpp>
+#include <tactnet/layers/dilated_conv2d.hpp>
 #include <tactnet/layers/dropout.hpp>
 #include <tactnet/layers/layer.hpp>
 #include <tactnet/layers/normalisation/batch_norm.hpp>

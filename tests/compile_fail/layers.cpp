@@ -63,6 +63,48 @@ using net = tactnet::network<tactnet::shape{20, 1, 3}, tactnet::causal_conv1d<8,
 constexpr auto parameters = net::parameters;
 #endif
 
+#ifdef CASE_dilated_conv2d_groups_do_not_divide
+// expect: conv2d: groups must divide the channels of the input and the filters; groups_divide shows groups, channels, filters
+// at-most: 1
+using net =
+    tactnet::network<tactnet::shape{7, 13, 6},
+                     tactnet::dilated_conv2d<8, 3, 2, 1, tactnet::padding::same, tactnet::in_groups(3)>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_dilated_conv2d_kernel_too_large
+// expect: dilated_conv2d: the dilated kernel is larger than the padded input; kernel_fits_padded_input shows its rows, its columns, padded rows, padded columns
+// expect: PaddedRows = 4; KernelRows = 5|kernel_fits_padded_input<5UL, 7UL, 4UL, 9UL>
+// at-most: 1
+using net =
+    tactnet::network<tactnet::shape{4, 9, 1},
+                     tactnet::dilated_conv2d<8, 3, tactnet::extent2d{2, 3}, 1, tactnet::padding::valid>,
+                     tactnet::dense<3>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_dilated_conv2d_no_dilation
+// expect: dilated_conv2d: the dilation must be at least 1
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 1}, tactnet::dilated_conv2d<8, 3, tactnet::extent2d{2, 0}>,
+                             tactnet::dense<3>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_dilated_conv2d_no_filters
+// expect: conv2d: filters, kernel and stride must be at least 1
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 1}, tactnet::dilated_conv2d<0, 3>, tactnet::dense<3>>;
+constexpr auto parameters = net::parameters;
+#endif
+
+#ifdef CASE_dilated_conv2d_no_kernel
+// expect: conv2d: filters, kernel and stride must be at least 1
+// at-most: 1
+using net = tactnet::network<tactnet::shape{7, 13, 1}, tactnet::dilated_conv2d<8, 0>, tactnet::dense<3>>;
+constexpr auto parameters = net::parameters;
+#endif
+
 #ifdef CASE_dense_no_outputs
 // expect: dense: there must be at least one output
 // at-most: 1

@@ -189,6 +189,8 @@ TEST_CASE("node_executor: where sums are exact, a description gives the bits of 
                                       transposed_conv2d<6, 3, 2>, relu, upsample<extent2d(1, 2)>,
                                       conv2d<5, 2, 2>, upsample<2, interpolation::bilinear>, dense<5>>>() ==
           0);
+    CHECK(outputs_that_differ<network<shape{7, 6, 2}, conv2d<8, 3>, dilated_conv2d<6, 3>, relu,
+                                      dilated_conv2d<4, 2, 3>, dense<5>>>() == 0);
 }
 
 TEST_CASE("node_executor: a description gives what the deployed network gives, exact and rounded") {

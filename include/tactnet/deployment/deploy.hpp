@@ -5,6 +5,7 @@
 #include <tactnet/deployment/lowering/branches.hpp>
 #include <tactnet/deployment/lowering/channel_scale.hpp>
 #include <tactnet/deployment/lowering/convolution.hpp>
+#include <tactnet/deployment/lowering/dilated_convolution.hpp>
 #include <tactnet/deployment/lowering/layers.hpp>
 #include <tactnet/deployment/lowering/resizing.hpp>
 #include <tactnet/deployment/lowering/sample_norm.hpp>

@@ -10,6 +10,13 @@ using net = tactnet::network<tactnet::shape{8, 8}, tactnet::average_pool<2>, tac
 constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight_bytes;
 #endif
 
+#ifdef CASE_dilated_conv2d_first
+// expect: in this number format a network cannot begin with a dilated convolution: a convolution, a dense layer or a batch norm must come first
+// at-most: 1
+using net = tactnet::network<tactnet::shape{8, 8}, tactnet::dilated_conv2d<4, 3>, tactnet::dense<2>>;
+constexpr std::size_t bytes = tactnet::deployed<net, tactnet::eight_bit>::weight_bytes;
+#endif
+
 #ifdef CASE_gate_first
 // expect: in 8 bits a network cannot begin with a pool, an upsampling or an activation: a convolution, a dense layer or a batch norm
 // at-most: 4

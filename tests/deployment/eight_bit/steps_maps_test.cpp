@@ -31,3 +31,12 @@ TEST_CASE("eight_bit: transposed convolutions give the bits of the plain referen
                          transposed_conv2d<3, 2, extent2d(1, 3)>, transposed_conv2d<4, 3, 1>, dense<5>>;
     CHECK(frames_that_differ<maps>(64, 20) == 0);
 }
+
+TEST_CASE("eight_bit: dilated convolutions give the bits of the plain reference") {
+    // Inputs below zero, so that zero is a byte in the middle.
+    using maps = network<shape{7, 6, 2}, conv2d<6, 3>, dilated_conv2d<5, 3>, batch_norm, relu,
+                         dilated_conv2d<16, 3, 3>, dilated_conv2d<8, 2, extent2d(1, 2), 1, pad(1)>,
+                         max_pool<2>, dilated_conv2d<8, 3, 2, 1, padding::same, in_groups(8)>, relu,
+                         dilated_conv2d<3, 3, 2, 2>, dense<5>>;
+    CHECK(frames_that_differ<maps>(65, 20) == 0);
+}

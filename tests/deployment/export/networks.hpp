@@ -41,7 +41,8 @@ using mixed_network = tactnet::network<
     tactnet::gelu, tactnet::sigmoid, tactnet::hyperbolic_tangent, tactnet::elu<>, tactnet::softplus,
     tactnet::average_pool<2, 1>, tactnet::adaptive_max_pool<tactnet::extent2d{3, 2}>, tactnet::upsample<2>,
     tactnet::upsample_to<tactnet::extent2d{2, 3}, tactnet::interpolation::bilinear>,
-    tactnet::transposed_conv2d<2, 3, 2>, tactnet::dense<3>, tactnet::softmax>;
+    tactnet::transposed_conv2d<2, 3, 2>, tactnet::dilated_conv2d<5, 3>, tactnet::relu, tactnet::dense<3>,
+    tactnet::softmax>;
 
 /// More memory than a stack should hold, and a step that is not among those of deployment/.
 using large_network =

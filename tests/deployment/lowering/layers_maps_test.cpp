@@ -67,3 +67,19 @@ TEST_CASE("deployed: transposed convolutions, with the batch norm and the ReLU a
                 concatenation<branch, conv2d<4, 1>>, transposed_conv2d<2, 5, 3, pad(0, 4, 2, 1)>>;
     CHECK(support::errors_of<branches>(50, 5).good());
 }
+
+TEST_CASE("deployed: dilated convolutions, with the batch norm and the ReLU after them") {
+    using net = network<shape{9, 7, 2}, dilated_conv2d<5, 3>, batch_norm, relu,      //
+                        dilated_conv2d<16, 3, 3>, relu, max_pool<2>,                 //
+                        dilated_conv2d<8, 2, extent2d(1, 2), 1, pad(1)>, batch_norm, //
+                        dilated_conv2d<8, 3, 2, 1, padding::same, in_groups(8)>, relu, batch_norm, dense<5>>;
+    const support::error_shares errors = support::errors_of<net>(57, 5);
+    MESSAGE(errors);
+    CHECK(errors.good());
+    // With strides, in branches, and as the last layer.
+    using branch = sequence<conv2d<12, 3>, dilated_conv2d<12, 3>, relu>;
+    using branches = network<shape{8, 11}, dilated_conv2d<12, 3, 2, extent2d(1, 2)>,
+                             residual<sequence<conv2d<12, 3>>, branch>, relu,
+                             concatenation<branch, conv2d<4, 1>>, dilated_conv2d<2, 3, 2, 3, padding::same>>;
+    CHECK(support::errors_of<branches>(58, 5).good());
+}

@@ -132,6 +132,12 @@ int main(int count, char** arguments) {
             agrees<adaptive_max_pool<extent2d(9, 2)>, shape{5, 7, 3}>(folder, "adaptive_max_pool_larger"),
             agrees<conv2d<9, extent2d(3, 2), extent2d(2, 1), pad(1), in_groups(3)>, shape{7, 5, 6}>(folder,
                                                                                                     "conv2d"),
+            agrees<dilated_conv2d<5, 3>, shape{7, 11, 3}>(folder, "dilated_conv2d"),
+            agrees<dilated_conv2d<3, extent2d(3, 2), extent2d(2, 3), 1, padding::valid>, shape{7, 5, 4}>(
+                folder, "dilated_conv2d_valid"),
+            agrees<dilated_conv2d<7, 3, 2, 2, pad(2)>, shape{9, 5, 2}>(folder, "dilated_conv2d_strides"),
+            agrees<dilated_conv2d<5, 3, 3, 1, padding::same, in_groups(5)>, shape{9, 7, 5}>(
+                folder, "dilated_conv2d_depthwise"),
             // PyTorch subtracts 1 from the exponential, which has at most two units roundoff.
             agrees<elu<>, shape{7, 3, 5}>(folder, "elu", 0, 2), //
             agrees<elu<300>, shape{5, 7, 3}>(folder, "elu_small", 0, 2),

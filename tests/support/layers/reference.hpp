@@ -131,6 +131,18 @@ struct reference_enlargement {
 };
 reference_pointer reference_transposed_convolution(const reference_enlargement& geometry, bool bias,
                                                    const reference_tiles& tiles = {});
+/// The geometry of a dilated convolution: the window has the size of the kernel without dilation and the
+/// padding of the dilated one. `phases` slides over the map of its phases; the outputs of each row and column
+/// are at `rows` and `columns` among those of `phases`.
+struct reference_dilation {
+    reference_window window;
+    std::size_t dilation_rows, dilation_columns, output_rows, output_columns;
+    reference_window phases;
+    std::vector<std::size_t> rows, columns;
+};
+reference_pointer reference_dilated_convolution(const reference_dilation& geometry, std::size_t filters,
+                                                std::size_t groups = 1, bool bias = true,
+                                                const reference_tiles& tiles = {});
 reference_pointer reference_dense(extents3 input, std::size_t outputs);
 reference_pointer reference_batch_norm(extents3 input);
 /// Each channel times a number.

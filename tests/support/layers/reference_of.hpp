@@ -18,33 +18,14 @@ namespace support {
 template <class Spec>
 struct reference_of;
 
-inline reference_window window_over(extents3 in, tactnet::extent2d kernel, tactnet::extent2d stride,
-                                    tactnet::padding around) {
-    if (around.how == tactnet::padding::rule::same)
-        return reference_window::same(in, kernel.rows, kernel.columns, stride.rows, stride.columns);
-    const reference_window given{in,         kernel.rows,   kernel.columns, stride.rows, stride.columns,
-                                 around.top, around.bottom, around.left,    around.right};
-    return around.how == tactnet::padding::rule::ceil_mode ? given.completed() : given;
-}
-
 template <std::size_t Filters, tactnet::extent2d Kernel, tactnet::extent2d Stride, tactnet::padding Padding,
           tactnet::conv2d_options Options>
 struct reference_of<tactnet::conv2d<Filters, Kernel, Stride, Padding, Options>> {
     static reference_pointer on(extents3 in) {
-        auto window =
-            tactnet::sliding_window::over({in.rows, in.columns, in.channels}, Kernel, Stride, Padding);
-        window.input.channels /= Options.groups;
-        constexpr std::size_t filters = Filters / Options.groups;
-        using tactnet::kernels::batch_convolution;
-        const auto ahead = batch_convolution::forward(window, filters),
-                   back = batch_convolution::backward(window, filters);
-        const auto tile_of = [](const batch_convolution& c) {
-            const tactnet::extent2d tile = tactnet::kernels::best_tile(c);
-            return tile_size{tile.rows, tile.columns};
-        };
-        return reference_convolution(
-            window_over(in, Kernel, Stride, Padding), Filters, Options.groups, Options.bias,
-            {tile_of(ahead), tile_of(back), tactnet::kernels::winograd_possible(ahead, 2)});
+        return reference_convolution(window_over(in, Kernel, Stride, Padding), Filters, Options.groups,
+                                     Options.bias,
+                                     tiles_of_convolution({in.rows, in.columns, in.channels}, Kernel, Stride,
+                                                          Padding, Filters, Options.groups));
     }
 };
 template <std::size_t Outputs>

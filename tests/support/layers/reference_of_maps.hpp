@@ -11,6 +11,31 @@ namespace support {
 template <class Spec>
 struct reference_of;
 
+inline reference_window window_over(extents3 in, tactnet::extent2d kernel, tactnet::extent2d stride,
+                                    tactnet::padding around) {
+    if (around.how == tactnet::padding::rule::same)
+        return reference_window::same(in, kernel.rows, kernel.columns, stride.rows, stride.columns);
+    const reference_window given{in,         kernel.rows,   kernel.columns, stride.rows, stride.columns,
+                                 around.top, around.bottom, around.left,    around.right};
+    return around.how == tactnet::padding::rule::ceil_mode ? given.completed() : given;
+}
+
+/// How the library computes a convolution in training.
+inline reference_tiles tiles_of_convolution(tactnet::shape in, tactnet::extent2d kernel,
+                                            tactnet::extent2d stride, tactnet::padding around,
+                                            std::size_t filters, std::size_t groups) {
+    auto window = tactnet::sliding_window::over(in, kernel, stride, around);
+    window.input.channels /= groups;
+    using tactnet::kernels::batch_convolution;
+    const auto ahead = batch_convolution::forward(window, filters / groups),
+               back = batch_convolution::backward(window, filters / groups);
+    const auto tile_of = [](const batch_convolution& c) {
+        const tactnet::extent2d tile = tactnet::kernels::best_tile(c);
+        return tile_size{tile.rows, tile.columns};
+    };
+    return {tile_of(ahead), tile_of(back), tactnet::kernels::winograd_possible(ahead, 2)};
+}
+
 template <tactnet::extent2d Factor, tactnet::interpolation Mode>
 struct reference_of<tactnet::upsample<Factor, Mode>> {
     static reference_pointer on(extents3 in) {
@@ -59,6 +84,49 @@ struct reference_of<tactnet::transposed_conv2d<Filters, Kernel, Stride, Padding,
                    back = batch_convolution::forward(window, in.channels);
         return reference_transposed_convolution(
             geometry, Bias, {tile_of(ahead), tile_of(back), tactnet::kernels::winograd_possible(back, 2)});
+    }
+};
+
+template <std::size_t Filters, tactnet::extent2d Kernel, tactnet::extent2d Dilation, tactnet::extent2d Stride,
+          tactnet::padding Padding, tactnet::conv2d_options Options>
+struct reference_of<tactnet::dilated_conv2d<Filters, Kernel, Dilation, Stride, Padding, Options>> {
+    static reference_pointer on(extents3 in) {
+        // The window of the dilated kernel gives the padding and counts the outputs.
+        const reference_window reach = window_over(
+            in, {(Kernel.rows - 1) * Dilation.rows + 1, (Kernel.columns - 1) * Dilation.columns + 1}, Stride,
+            Padding);
+        reference_window own = reach;
+        own.kernel_rows = Kernel.rows, own.kernel_columns = Kernel.columns;
+        // How the library lays the phases out.
+        using tactnet::kernels::dilated_axis;
+        const auto down = dilated_axis::of(in.rows, reach.output_rows(), Kernel.rows, Dilation.rows,
+                                           Stride.rows, reach.top),
+                   along = dilated_axis::of(in.columns, reach.output_columns(), Kernel.columns,
+                                            Dilation.columns, Stride.columns, reach.left);
+        reference_dilation geometry{own,
+                                    Dilation.rows,
+                                    Dilation.columns,
+                                    reach.output_rows(),
+                                    reach.output_columns(),
+                                    {{in.channels, down.pixels(), along.pixels()},
+                                     Kernel.rows,
+                                     Kernel.columns,
+                                     down.step,
+                                     along.step,
+                                     0,
+                                     0,
+                                     0,
+                                     0},
+                                    {},
+                                    {}};
+        for (std::size_t o = 0; o < down.outputs; ++o)
+            geometry.rows.push_back(down.sum_of(o));
+        for (std::size_t o = 0; o < along.outputs; ++o)
+            geometry.columns.push_back(along.sum_of(o));
+        return reference_dilated_convolution(
+            geometry, Filters, Options.groups, Options.bias,
+            tiles_of_convolution({down.pixels(), along.pixels(), in.channels}, Kernel,
+                                 {down.step, along.step}, tactnet::padding::valid, Filters, Options.groups));
     }
 };
 

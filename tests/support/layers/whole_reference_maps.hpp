@@ -3,6 +3,7 @@
 // What steps in 8 bits must give that give a map another size. whole_reference.hpp includes it.
 
 #include <tactnet/deployment/eight_bit/steps.hpp>
+#include <tactnet/deployment/steps/dilation_phases.hpp>
 #include <tactnet/deployment/steps/phase_interleaving.hpp>
 
 #include <algorithm>
@@ -89,6 +90,48 @@ struct reference_step<tactnet::phase_interleaving_step<Format, Map, Stride, Skip
             const std::size_t phase = y % Stride.rows * Stride.columns + x % Stride.columns;
             result.whole[i] = in.whole[in.at(y / Stride.rows, x / Stride.columns, phase * filters + c)];
         }
+        return result;
+    }
+};
+
+/// The phases of a dilated convolution, and the byte of zero between them.
+template <tactnet::sliding_window Window, tactnet::extent2d Dilation, tactnet::extent2d Outputs,
+          std::size_t InputStride, class Products>
+struct reference_step<
+    tactnet::phase_splitting_step<tactnet::eight_bit, Window, Dilation, Outputs, InputStride>, Products> {
+    using phases = tactnet::kernels::dilated_phases<Window, Dilation, Outputs>;
+    static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
+        whole_map result(tactnet::shape{phases::down.pixels(), phases::along.pixels(), in.channels});
+        std::fill(result.whole.begin(), result.whole.end(), reference_range::next(folded).zero);
+        // Each tap of each output has the pixel under it that the definition says.
+        for (std::size_t y = 0; y < Outputs.rows; ++y)
+            for (std::size_t x = 0; x < Outputs.columns; ++x)
+                for (std::size_t tap = 0; tap < Window.kernel.area(); ++tap) {
+                    const std::size_t i = tap / Window.kernel.columns, j = tap % Window.kernel.columns,
+                                      row = y * Window.stride.rows + i * Dilation.rows,
+                                      column = x * Window.stride.columns + j * Dilation.columns;
+                    if (row < Window.top || row - Window.top >= in.rows || column < Window.left ||
+                        column - Window.left >= in.columns)
+                        continue;
+                    for (std::size_t c = 0; c < in.channels; ++c)
+                        result.whole[result.at(phases::down.sum_of(y) * phases::step.rows + i,
+                                               phases::along.sum_of(x) * phases::step.columns + j, c)] =
+                            in.whole[in.at(row - Window.top, column - Window.left, c)];
+                }
+        return result;
+    }
+};
+template <class Format, tactnet::sliding_window Window, tactnet::extent2d Dilation, tactnet::extent2d Outputs,
+          std::size_t Filters, std::size_t InputStride, class Products>
+struct reference_step<tactnet::phase_merging_step<Format, Window, Dilation, Outputs, Filters, InputStride>,
+                      Products> {
+    using phases = tactnet::kernels::dilated_phases<Window, Dilation, Outputs>;
+    static whole_map run(const float*, const whole_map& in, const whole_map&) {
+        whole_map result(tactnet::shape{Outputs.rows, Outputs.columns, Filters});
+        for (std::size_t i = 0; i < result.whole.size(); ++i)
+            result.whole[i] =
+                in.whole[in.at(phases::down.sum_of(i / Filters / Outputs.columns),
+                               phases::along.sum_of(i / Filters % Outputs.columns), i % Filters)];
         return result;
     }
 };

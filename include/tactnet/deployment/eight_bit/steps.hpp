@@ -4,6 +4,7 @@
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/deployment/eight_bit/steps/convolution.hpp>
+#include <tactnet/deployment/eight_bit/steps/dilation_phases.hpp>
 #include <tactnet/deployment/eight_bit/steps/elementwise.hpp>
 #include <tactnet/deployment/eight_bit/steps/gate.hpp>
 #include <tactnet/deployment/eight_bit/steps/parametric_relu.hpp>

@@ -33,8 +33,8 @@ using branched_network = tactnet::network<
     tactnet::conv2d<6, 2, 1, tactnet::padding::same, tactnet::in_groups(2)>, tactnet::batch_norm,
     tactnet::parametric_relu, tactnet::adaptive_max_pool<tactnet::extent2d{5, 4}>,
     tactnet::upsample<tactnet::extent2d{1, 2}>, tactnet::upsample<2, tactnet::interpolation::bilinear>,
-    tactnet::transposed_conv2d<5, 3, tactnet::extent2d{2, 1}>, tactnet::relu, tactnet::average_pool<2, 1>,
-    tactnet::dense<3>, tactnet::softmax>;
+    tactnet::transposed_conv2d<5, 3, tactnet::extent2d{2, 1}>, tactnet::dilated_conv2d<7, 3>, tactnet::relu,
+    tactnet::average_pool<2, 1>, tactnet::dense<3>, tactnet::softmax>;
 
 /// Calibrated on a few frames.
 template <class Network>
