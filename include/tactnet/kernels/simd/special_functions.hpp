@@ -57,6 +57,26 @@ template <std::size_t Count>
     return choose<float>(size < v(0.625F), near_zero, choose<float>(x < v(0), v(0) - far, far));
 }
 
+/// eˣ − 1 for x ≤ 0, within 2 units in the last place: 2ⁿ · (eʳ − 1) + (2ⁿ − 1), with n and r as of
+/// `exponential`. For NaN it is NaN.
+[[nodiscard]] inline vector<float> exponential_minus_one(const vector<float>& x) {
+    using v = vector<float>;
+    constexpr float log2_e = 0x1.715476p0F, ln2_high = 0x1.63p-1F, ln2_low = -0x1.bd0106p-13F;
+    const v within = choose<float>(x < v(-87.0F), v(-87.0F), x);
+    const v shifted = multiply_add(within, v(log2_e), v(detail::integer_shift));
+    const v n = shifted - v(detail::integer_shift);
+    const v r = multiply_add(n, v(-ln2_low), multiply_add(n, v(-ln2_high), within));
+    const v series =
+        detail::polynomial(r, {1 / 40320.0F, 1 / 5040.0F, 1 / 720.0F, 1 / 120.0F, 1 / 24.0F, 1 / 6.0F, 0.5F});
+    const v power = detail::times_power_of_two(v(1.0F), shifted);
+    return multiply_add(power, multiply_add(r * r, series, r), power - v(1.0F));
+}
+/// The same of a double.
+[[nodiscard]] constexpr double exponential_minus_one(double x) {
+    const double t = hyperbolic_tangent(x < 0 ? 0.5 * x : 0);
+    return 2 * t / (1 - t);
+}
+
 /// log(1 + x) for 0 ≤ x ≤ 1, within 2 units in the last place: 2 artanh(x ÷ (2 + x)).
 [[nodiscard]] inline vector<float> log_one_plus(const vector<float>& x) {
     using v = vector<float>;

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <tactnet/kernels/simd/special_functions.hpp>
 #include <tactnet/layers/activations/activation_function.hpp>
 
 #include <array>
+#include <concepts>
 
-// Activations without an exponential, for networks in 8 bits and small processors.
+// Activations without an exponential, for networks in 8 bits and small processors. In vectors, since
+// compilers leave a loop scalar whose branches multiply or divide.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
@@ -19,17 +22,23 @@ struct leaky_relu_function {
                                 *type = "tactnet::leaky_relu_function",
                                 *header = "tactnet/layers/activations/piecewise.hpp";
     static constexpr std::array arguments{Thousandths};
+    static constexpr bool takes_vectors = true;
 
-    template <class T>
-    static constexpr T slope = static_cast<T>(Thousandths) / 1000;
-    template <class T>
-    static constexpr T value(T x) {
-        return x > 0 ? x : slope<T> * x;
+    template <class Number>
+    static constexpr Number slope() {
+        if constexpr (std::same_as<Number, double>)
+            return Thousandths / 1000.0;
+        else
+            return Number(static_cast<float>(Thousandths) / 1000);
+    }
+    template <class Number>
+    static constexpr Number value(const Number& x) {
+        return kernels::choose_lanes(x > Number(0), x, slope<Number>() * x);
     }
     /// The output has the input's sign.
-    template <class T>
-    static constexpr T backward(T y, T gradient) {
-        return y > 0 ? gradient : slope<T> * gradient;
+    template <class Number>
+    static constexpr Number backward(const Number& y, const Number& gradient) {
+        return kernels::choose_lanes(y > Number(0), gradient, slope<Number>() * gradient);
     }
 };
 
@@ -48,21 +57,34 @@ struct relu6_function {
     }
 };
 
+namespace detail {
+
+/// `middle` between −3 and 3, `below` and `above` elsewhere; NaN stays NaN.
+template <class Number>
+[[nodiscard]] constexpr Number between(const Number& x, const Number& below, const Number& middle,
+                                       const Number& above) {
+    return kernels::choose_lanes(x > Number(-3), kernels::choose_lanes(x < Number(3), middle, above),
+                                 kernels::choose_lanes(x == x, below, x));
+}
+
+} // namespace detail
+
 /// (x + 3) ÷ 6, clamped to 0 … 1 (Howard et al., "Searching for MobileNetV3", 2019); NaN stays NaN.
 struct hard_sigmoid_function {
     static constexpr const char *name = "hard_sigmoid", *title = "Hard sigmoid",
                                 *type = "tactnet::hard_sigmoid_function",
                                 *header = "tactnet/layers/activations/piecewise.hpp";
-    static constexpr bool moves_zero = true;
+    static constexpr bool takes_vectors = true, moves_zero = true;
     static constexpr double largest_value = 1;
 
-    template <class T>
-    static constexpr T value(T x) {
-        return x <= -3 ? T(0) : x >= 3 ? T(1) : (x + 3) / 6;
+    template <class Number>
+    static constexpr Number value(const Number& x) {
+        return detail::between(x, Number(0), (x + Number(3)) / Number(6), Number(1));
     }
-    template <class T>
-    static constexpr T backward(T y, T gradient) {
-        return y > 0 && y < 1 ? gradient / 6 : T(0);
+    template <class Number>
+    static constexpr Number backward(const Number& y, const Number& gradient) {
+        return kernels::choose_lanes(
+            y > Number(0), kernels::choose_lanes(y < Number(1), gradient / Number(6), Number(0)), Number(0));
     }
 };
 
@@ -71,14 +93,15 @@ struct hard_swish_function {
     static constexpr const char *name = "hard_swish", *title = "Hard swish",
                                 *type = "tactnet::hard_swish_function",
                                 *header = "tactnet/layers/activations/piecewise.hpp";
+    static constexpr bool takes_vectors = true;
 
-    template <class T>
-    static constexpr T value(T x) {
-        return x <= -3 ? T(0) : x >= 3 ? x : x * ((x + 3) / 6);
+    template <class Number>
+    static constexpr Number value(const Number& x) {
+        return detail::between(x, Number(0), x * ((x + Number(3)) / Number(6)), x);
     }
-    template <class T>
-    static constexpr T backward_from_input(T x, T gradient) {
-        return x <= -3 ? T(0) : x >= 3 ? gradient : gradient * ((x + T(1.5)) / 3);
+    template <class Number>
+    static constexpr Number backward_from_input(const Number& x, const Number& gradient) {
+        return detail::between(x, Number(0), gradient * ((x + Number(1.5F)) / Number(3)), gradient);
     }
 };
 
