@@ -117,21 +117,35 @@ void pool_frame(const average_windows& bins, const T* input, T* output) {
     largest_pixels<typename decltype(pixel_vector<T, Stride>())::type>(bins, Stride, input, output);
 }
 
-/// `Vector` divides `stride`: one instantiation for each.
+/// `Vector` divides `stride`: one instantiation for each. Sums of several vectors side by side do not wait
+/// for one another.
 template <class Vector>
 void average_pixels(const average_windows& windows, std::size_t stride, const float* input, float* output) {
     constexpr std::size_t width = sizeof(Vector) / sizeof(float);
-    const std::size_t columns_of_input = windows.columns.size;
+    using access = pixel_access<Vector>;
     windows.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t divisor) {
-        for (std::size_t channel = 0; channel < stride; channel += width) {
-            Vector sum(0.0f);
+        const Vector count(static_cast<float>(divisor));
+        const auto average = [&]<std::size_t Together>(std::integral_constant<std::size_t, Together>,
+                                                       std::size_t channel) {
+            Vector sums[Together];
+            for (std::size_t i = 0; i < Together; ++i)
+                sums[i] = Vector(0.0f);
             for (std::size_t y = rows.begin; y < rows.end; ++y)
-                for (std::size_t x = columns.begin; x < columns.end; ++x)
-                    sum = sum +
-                          pixel_access<Vector>::load(input + (y * columns_of_input + x) * stride + channel);
-            sum = sum / Vector(static_cast<float>(divisor));
-            pixel_access<Vector>::store(output + o * stride + channel, sum);
-        }
+                for (std::size_t x = columns.begin; x < columns.end; ++x) {
+                    const float* const from = input + (y * windows.columns.size + x) * stride + channel;
+                    for (std::size_t i = 0; i < Together; ++i)
+                        sums[i] = sums[i] + access::load(from + i * width);
+                }
+            for (std::size_t i = 0; i < Together; ++i)
+                access::store(output + o * stride + channel + i * width, sums[i] / count);
+        };
+        std::size_t channel = 0;
+        for (; channel + 4 * width <= stride; channel += 4 * width)
+            average(std::integral_constant<std::size_t, 4>{}, channel);
+        for (; channel + 2 * width <= stride; channel += 2 * width)
+            average(std::integral_constant<std::size_t, 2>{}, channel);
+        for (; channel < stride; channel += width)
+            average(std::integral_constant<std::size_t, 1>{}, channel);
     });
 }
 

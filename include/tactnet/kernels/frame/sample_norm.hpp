@@ -141,41 +141,66 @@ template <class Vector>
     return flat[0];
 }
 
+/// Layer norm over the channels of each of `Together` pixels, side by side, so that none waits for the sums
+/// of another. `last` holds zeros after the last channel, otherwise ones.
+template <std::size_t Together, class Vector>
+void normalise_pixels(const frame_norm& norm, const float* weights, const float* biases, float epsilon,
+                      const Vector& last, const float* in, float* out) {
+    constexpr std::size_t width = sizeof(Vector) / sizeof(float);
+    using access = pixel_access<Vector>;
+    const float share = 1 / static_cast<float>(norm.channels);
+    std::array<Vector, Together> center, sum, squares, scale, shift;
+    // body(pixel, x − center) for vectors of channels, with zeros after the last.
+    const auto for_each_deviation = [&](const auto& body) {
+        for (std::size_t v = 0; v < norm.channels; v += width)
+            for (std::size_t p = 0; p < Together; ++p) {
+                const Vector d = access::load(in + p * norm.stride + v) - center[p];
+                body(p, v + width > norm.channels ? d * last : d);
+            }
+    };
+    for (std::size_t p = 0; p < Together; ++p)
+        center[p] = Vector(in[p * norm.stride]), sum[p] = Vector(0.0F);
+    for_each_deviation([&](std::size_t p, const Vector& d) { sum[p] = sum[p] + d; });
+    for (std::size_t p = 0; p < Together; ++p) {
+        center[p] = Vector(in[p * norm.stride] + sum_of_lanes(sum[p]) * share);
+        sum[p] = squares[p] = Vector(0.0F);
+    }
+    for_each_deviation([&](std::size_t p, const Vector& d) {
+        sum[p] = sum[p] + d;
+        squares[p] = fused_multiply_add(d, d, squares[p]);
+    });
+    for (std::size_t p = 0; p < Together; ++p) {
+        const float mean = sum_of_lanes(sum[p]) * share,
+                    variance = std::max(sum_of_lanes(squares[p]) * share - mean * mean, 0.0F),
+                    inverse = 1 / std::sqrt(variance + epsilon);
+        scale[p] = Vector(inverse), shift[p] = Vector(-mean * inverse);
+    }
+    for (std::size_t v = 0; v < norm.stride; v += width) {
+        const Vector weight = access::load(weights + v), bias = access::load(biases + v);
+        for (std::size_t p = 0; p < Together; ++p) {
+            const std::size_t at = p * norm.stride + v;
+            const Vector normalised =
+                fused_multiply_add(access::load(in + at) - center[p], scale[p], shift[p]);
+            access::store(out + at, rectified(norm, fused_multiply_add(normalised, weight, bias)));
+        }
+    }
+}
+
 /// Layer norm over the channels of each pixel. `Vector` divides the stride.
 template <class Vector>
 void normalise_each_pixel(const frame_norm& norm, const float* weights, const float* biases, float epsilon,
                           const float* in, float* out) {
-    constexpr std::size_t width = sizeof(Vector) / sizeof(float);
-    using access = pixel_access<Vector>;
+    constexpr std::size_t width = sizeof(Vector) / sizeof(float), together = 4;
     alignas(vector_alignment) std::array<float, width> in_use{};
     std::fill_n(in_use.begin(), (norm.channels - 1) % width + 1, 1.0F);
-    const Vector last = access::load(in_use.data());
-    const float share = 1 / static_cast<float>(norm.channels);
-    for (std::size_t p = 0; p < norm.pixels; ++p, in += norm.stride, out += norm.stride) {
-        // body(x − center) for vectors of channels, with zeros after the last.
-        const auto for_each_deviation = [&](const Vector& center, const auto& body) {
-            for (std::size_t v = 0; v < norm.channels; v += width) {
-                const Vector d = access::load(in + v) - center;
-                body(v + width > norm.channels ? d * last : d);
-            }
-        };
-        Vector sum(0.0F), rest(0.0F), squares(0.0F);
-        for_each_deviation(Vector(in[0]), [&](const Vector& d) { sum = sum + d; });
-        const Vector center(in[0] + sum_of_lanes(sum) * share);
-        for_each_deviation(center, [&](const Vector& d) {
-            rest = rest + d;
-            squares = fused_multiply_add(d, d, squares);
-        });
-        const float mean = sum_of_lanes(rest) * share,
-                    variance = std::max(sum_of_lanes(squares) * share - mean * mean, 0.0F),
-                    inverse = 1 / std::sqrt(variance + epsilon);
-        const Vector scale(inverse), shift(-mean * inverse);
-        for (std::size_t v = 0; v < norm.stride; v += width) {
-            const Vector normalised = fused_multiply_add(access::load(in + v) - center, scale, shift);
-            const Vector weight = access::load(weights + v), bias = access::load(biases + v);
-            access::store(out + v, rectified(norm, fused_multiply_add(normalised, weight, bias)));
-        }
-    }
+    const Vector last = pixel_access<Vector>::load(in_use.data());
+    std::size_t p = 0;
+    for (; p + together <= norm.pixels; p += together)
+        normalise_pixels<together>(norm, weights, biases, epsilon, last, in + p * norm.stride,
+                                   out + p * norm.stride);
+    for (; p < norm.pixels; ++p)
+        normalise_pixels<1>(norm, weights, biases, epsilon, last, in + p * norm.stride,
+                            out + p * norm.stride);
 }
 
 }}} // namespace tactnet::kernels
