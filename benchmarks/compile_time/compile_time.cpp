@@ -61,6 +61,22 @@ std::string deployed(const std::string& network) {
            "tactnet::deployed<network> make(const network& n) { return tactnet::deploy(n); }\n";
 }
 
+/// A network of more than ten kinds of layers.
+std::string ten_kinds() {
+    return "tactnet::network<tactnet::shape{28, 50, 1}, tactnet::conv2d<16, 3, 2>, tactnet::batch_norm,\n"
+           "    tactnet::hard_swish,\n"
+           "    tactnet::conv2d<16, 3, 1, tactnet::padding::same, tactnet::in_groups(16)>, "
+           "tactnet::batch_norm,\n"
+           "    tactnet::relu, tactnet::squeeze_excitation<16, 4>, tactnet::conv2d<24, 1>,\n"
+           "    tactnet::max_pool<2>, tactnet::dilated_conv2d<24, 3>, tactnet::elu<>,\n"
+           "    tactnet::residual<tactnet::sequence<\n"
+           "        tactnet::conv2d<24, 3, 1, tactnet::padding::same, tactnet::in_groups(24)>,\n"
+           "        tactnet::layer_norm<tactnet::norm_over::channels>, tactnet::conv2d<48, 1>, "
+           "tactnet::gelu,\n"
+           "        tactnet::conv2d<24, 1>>>,\n"
+           "    tactnet::global_average_pool, tactnet::dense<22>>";
+}
+
 /// A network from a weight file: deployed, or as a model for further training.
 std::string loaded(const char* header, const char* result, const char* call) {
     return std::string("#include <tactnet/io/") + header + ">\n" +
@@ -132,6 +148,7 @@ int main(int count, char** arguments) {
         {"the same, calibrated",
          deployed_in_8_bits("tactnet::tactnet6<tactnet::shape{28, 50, 1}, 22>", true)},
         {"TactNet-6 10x18 deployed", deployed("tactnet::tactnet6<tactnet::shape{10, 18, 1}, 22>")},
+        {"more than ten kinds of layers", deployed(ten_kinds())},
         {"TactResNet 28x50 deployed", deployed("tactnet::tactresnet<tactnet::shape{28, 50, 1}, 22>")},
     };
     const auto folder = std::filesystem::temp_directory_path() /
