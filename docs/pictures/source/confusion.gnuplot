@@ -16,11 +16,9 @@ set bmargin 7.4
 set border 15
 unset grid
 unset key
-unset colorbox
-# The colour grows with the root of the share, since few mistakes are to be seen too.
-if (dark) { set palette defined (0 "#0d1117", 0.15 "#123a56", 1 "#56b4e9") } \
-else { set palette defined (0 "#ffffff", 0.15 "#c9e2f2", 1 "#0072b2") }
-set cbrange [0:1]
+# A cell is the more opaque the larger its share: by the root, since few mistakes are to be seen too.
+opacity(x) = x < 0.15 ? x / 0.15 * 0.21 : 0.21 + (x - 0.15) / 0.85 * 0.79
+colour(share) = blue + (int(255 * (1 - opacity(sqrt(share))) + 0.5) << 24)
 eval note(caption)
-plot counts using 2:1:(0.5):(0.5):(sqrt($4)) with boxxyerror lc palette, \
+plot counts using 2:1:(0.5):(0.5):(colour($4)) with boxxyerror lc rgb variable, \
     "" using ($1 != $2 ? $2 : NaN):1:3 with labels tc rgb ink font ",12"

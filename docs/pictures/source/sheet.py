@@ -4,6 +4,8 @@ import math
 import struct
 import zlib
 
+from svg import follow_theme, light
+
 # Corners of matplotlib's inferno map (van der Walt and Smith, 2015), as in tactnet_stream: lighter is more pressure.
 inferno = [(0, 0, 4), (66, 10, 104), (147, 38, 103), (221, 81, 58), (252, 165, 10), (252, 255, 164)]
 
@@ -68,8 +70,8 @@ class sheet:
 
     width, gap, inner_gap, steps = 640, 4, 2, 32
 
-    def __init__(self, columns, colours, images=1, font=14):
-        self.columns, self.colours, self.font = columns, colours, font
+    def __init__(self, columns, images=1, font=14):
+        self.columns, self.font = columns, font
         self.cell = images * (50 + self.inner_gap) - self.inner_gap # in tactels, as what follows
         self.across = columns * (self.cell + self.gap) - self.gap
         self.tactel = self.width / self.across # in pixels of the page
@@ -112,8 +114,9 @@ class sheet:
         data = base64.b64encode(png_of(self.pixels, palette, clear=self.steps)).decode()
         words = "\n".join(self.parts)
         if note:
-            words += f'\n<text x="320" y="{height - 6:.1f}" font-size="12.5" fill="{self.colours["quiet"]}">{note}</text>'
-        return (f'<svg xmlns="http://www.w3.org/2000/svg" width="640" height="{height:.0f}" viewBox="0 0 640 {height:.0f}" '
+            words += f'\n<text x="320" y="{height - 6:.1f}" font-size="12.5" fill="{light["quiet"]}">{note}</text>'
+        return follow_theme(
+            f'<svg xmlns="http://www.w3.org/2000/svg" width="640" height="{height:.0f}" viewBox="0 0 640 {height:.0f}" '
                 f'font-family="Helvetica, Arial, sans-serif" font-size="{self.font}" text-anchor="middle" '
-                f'fill="{self.colours["ink"]}">\n<image width="640" height="{below:.2f}" preserveAspectRatio="none" '
+                f'fill="{light["ink"]}">\n<image width="640" height="{below:.2f}" preserveAspectRatio="none" '
                 f'style="image-rendering:pixelated" href="data:image/png;base64,{data}"/>\n{words}\n</svg>\n')

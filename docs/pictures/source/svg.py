@@ -1,20 +1,22 @@
-"""What all pictures share: themes, their colours and files, and SVG without what draws nothing."""
+"""What all pictures share: colours that follow the reader's choice of light or dark, and SVG without what draws nothing."""
 import re
 import xml.etree.ElementTree as ET
 
-themes = ("light", "dark")
-
-# The colours of style.gnuplot, and the ground of a box.
+# The colours of style.gnuplot, and the ground of a box: as they are drawn, and what they become on a dark ground.
 colours = {
-    "light": {"ink": "#24292f", "quiet": "#59636e", "rule": "#d8dee4", "panel": "#f6f8fa", "blue": "#0072b2",
-              "orange": "#d55e00", "green": "#009e73"},
-    "dark": {"ink": "#d6dce3", "quiet": "#9aa4af", "rule": "#3a424c", "panel": "#161b22", "blue": "#56b4e9",
-             "orange": "#e69f00", "green": "#2fc597"},
+    "ink": ("#24292f", "#d6dce3"), "quiet": ("#59636e", "#9aa4af"), "rule": ("#d8dee4", "#3a424c"),
+    "panel": ("#f6f8fa", "#161b22"), "blue": ("#0072b2", "#56b4e9"), "orange": ("#d55e00", "#e69f00"),
+    "green": ("#009e73", "#2fc597"), "purple": ("#a8508a", "#cc79a7"),
 }
+light = {name: colour for name, (colour, _) in colours.items()}
 
 
-def file_name(name, theme):
-    return f"{name}{'_dark' if theme == 'dark' else ''}.svg"
+def follow_theme(picture):
+    """Adds to an SVG, as text, a style that changes its colours where the reader prefers a dark ground."""
+    rules = "".join(f'[{attribute}="{colour}"]{{{attribute}:{dark}}}' for colour, dark in colours.values()
+                    for attribute in ("fill", "stroke", "color") if f' {attribute}="{colour}"' in picture)
+    end = picture.index(">") + 1
+    return f"{picture[:end]}\n<style>@media (prefers-color-scheme:dark){{{rules}}}</style>{picture[end:]}"
 
 
 svg, xlink = "{http://www.w3.org/2000/svg}", "{http://www.w3.org/1999/xlink}"
@@ -115,4 +117,4 @@ def tidy(text):
         style.text = "image{image-rendering:pixelated}"
         picture.insert(0, style)
     ET.indent(picture, "")
-    return ET.tostring(picture, encoding="unicode") + "\n"
+    return follow_theme(ET.tostring(picture, encoding="unicode")) + "\n"
