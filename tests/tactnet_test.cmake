@@ -13,23 +13,52 @@ function(tactnet_library_tests)
     endif()
 endfunction()
 
-# tactnet_test(room SOURCES file... [QUICK file...] [LIBRARIES target...] [PARTS word...] [TIMEOUT seconds] [COST seconds] [FULLY_OPTIMISED]
-#              [DATA] [FULL])
+# tactnet_test_level(target optimised|quick|unoptimised): compiles a part of a test at its own level, at -O1, or at -O0.
+function(tactnet_test_level target level)
+    tactnet_use(${target})
+    target_link_libraries(${target} PRIVATE tactnet_test_main)
+    if(level STREQUAL "quick")
+        target_link_libraries(${target} PRIVATE tactnet_quick_to_compile)
+    elseif(level STREQUAL "unoptimised" AND CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
+        target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O0>)
+    endif()
+endfunction()
+
+# tactnet_test_part(target level [library...]): a program or object library of the sources of this folder.
+function(tactnet_test_part target level)
+    tactnet_test_level(${target} ${level})
+    target_include_directories(${target} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}")
+    target_link_libraries(${target} PRIVATE ${ARGN})
+    if(TARGET tactnet_precompiled_${level})
+        target_precompile_headers(${target} REUSE_FROM tactnet_precompiled_${level})
+    endif()
+endfunction()
+
+# tactnet_test(room SOURCES file... [UNOPTIMISED_SOURCES file...] [LIBRARIES target...] [PARTS word...]
+#              [TIMEOUT seconds] [COST seconds] [FULLY_OPTIMISED | UNOPTIMISED] [DATA] [FULL])
 #
 # One program test_<room> and one entry in CTest, or, for one that takes minutes, an entry <room>.<word> for the cases
 # in files with each of these words in their names, and <room> for all others, so that they run side by side. A program
 # in which no test case is left fails, rather than passing because nothing was wrong.
 #
-# FULLY_OPTIMISED is for rooms whose subject is the optimised code itself: the kernels, and what is built of them as
-# users build it; there, QUICK are files at -O1
-# (unless TACTNET_TEST_EVERY_SIZE is set, as the preset all-sizes does): those that compare many lists of layers with a reference, where most of
-# the time of compiling would go. They stand last, so that of a function that other files have, too, the linker takes
-# the fully optimised one. DATA is for rooms with cases in the suite "data" (`* doctest::test_suite("data")`): they need data that
-# do not belong to the project (support/files/data_folder.hpp), and are an entry <room>.data of their own, which CTest
-# reports as skipped where the data are missing. FULL leaves the room to the full suite. COST is about what the test takes, so that CTest starts the
-# longest first.
+# A Release build compiles a room at -O1, or
+# - at its own level with FULLY_OPTIMISED: the kernels, and what is built of them as users build it;
+# - at -O0 with UNOPTIMISED: where results are compared with references and to the bit, and little is computed. This takes
+#   two thirds of the time to compile.
+# UNOPTIMISED_SOURCES are files of a fully optimised room that are compiled at -O0 all the same: those that compare many
+# sizes with a reference, where most of the time of compiling would go, and those about other things than numbers. With
+# TACTNET_TEST_FULLY_OPTIMISED, as in the presets clang and all-sizes, they are like the others. They stand last, so that
+# of a function that other files have, too, the linker takes the fully optimised one.
+#
+# DATA is for rooms with cases in the suite "data" (`* doctest::test_suite("data")`): they need data that do not belong to
+# the project (support/files/data_folder.hpp), and are an entry <room>.data of their own, which CTest reports as skipped
+# where the data are missing. FULL leaves the room to the full suite. COST is about what the test takes,
+# so that CTest starts the longest first.
 function(tactnet_test room)
-    cmake_parse_arguments(PARSE_ARGV 1 test "FULLY_OPTIMISED;DATA;FULL" "TIMEOUT;COST" "SOURCES;QUICK;LIBRARIES;PARTS")
+    cmake_parse_arguments(
+        PARSE_ARGV 1 test "FULLY_OPTIMISED;UNOPTIMISED;DATA;FULL" "TIMEOUT;COST"
+        "SOURCES;UNOPTIMISED_SOURCES;LIBRARIES;PARTS"
+    )
     if(test_UNPARSED_ARGUMENTS OR NOT test_SOURCES)
         message(FATAL_ERROR "tactnet_test(${room}): expected SOURCES file..., found '${ARGN}'.")
     endif()
@@ -42,23 +71,20 @@ function(tactnet_test room)
     if(NOT test_COST)
         set(test_COST 20)
     endif()
-    add_executable(test_${room} ${test_SOURCES} ${test_QUICK})
-    if(test_QUICK AND NOT TACTNET_TEST_EVERY_SIZE)
-        set_source_files_properties(
-            ${test_QUICK} PROPERTIES COMPILE_OPTIONS $<$<CONFIG:Release>:-O1> SKIP_PRECOMPILE_HEADERS ON
-        )
-    endif()
-    tactnet_use(test_${room})
+    set(level quick)
     if(test_FULLY_OPTIMISED)
-        set(kind optimised)
-    else()
-        set(kind quick)
-        target_link_libraries(test_${room} PRIVATE tactnet_quick_to_compile)
+        set(level optimised)
+    elseif(test_UNOPTIMISED)
+        set(level unoptimised)
     endif()
-    target_include_directories(test_${room} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}")
-    target_link_libraries(test_${room} PRIVATE tactnet_test_main ${test_LIBRARIES})
-    if(TARGET tactnet_precompiled_${kind})
-        target_precompile_headers(test_${room} REUSE_FROM tactnet_precompiled_${kind})
+    add_executable(test_${room} ${test_SOURCES})
+    tactnet_test_part(test_${room} ${level} ${test_LIBRARIES})
+    if(test_UNOPTIMISED_SOURCES AND TACTNET_TEST_FULLY_OPTIMISED)
+        target_sources(test_${room} PRIVATE ${test_UNOPTIMISED_SOURCES})
+    elseif(test_UNOPTIMISED_SOURCES)
+        add_library(test_${room}_unoptimised OBJECT ${test_UNOPTIMISED_SOURCES})
+        tactnet_test_part(test_${room}_unoptimised unoptimised ${test_LIBRARIES})
+        target_sources(test_${room} PRIVATE $<TARGET_OBJECTS:test_${room}_unoptimised>)
     endif()
     set(entries ${room})
     set(others "")
