@@ -5,8 +5,8 @@
 //     test_TARGET [--corpus FILE] FOLDER  write the seeds there instead, for a fuzzer
 //     test_TARGET --pack FOLDER FILE      make a corpus of the files that a fuzzer left in a folder
 //
-// A corpus is one file: of each input its number of bytes, a new line, the bytes, a new line. All of them are in
-// corpus.tar.xz, which the build unpacks into tests/fuzz/corpus; to change one, run `tar -cJf` there.
+// A corpus is one file: of each input its number of bytes, a new line, the bytes, a new line. All of them are
+// in corpus.tar.xz, which the build unpacks into tests/fuzz/corpus; to change one, run `tar -cJf` there.
 
 #include "fuzz_target.hpp"
 

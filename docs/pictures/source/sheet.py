@@ -117,6 +117,6 @@ class sheet:
             words += f'\n<text x="320" y="{height - 6:.1f}" font-size="12.5" fill="{light["quiet"]}">{note}</text>'
         return follow_theme(
             f'<svg xmlns="http://www.w3.org/2000/svg" width="640" height="{height:.0f}" viewBox="0 0 640 {height:.0f}" '
-                f'font-family="Helvetica, Arial, sans-serif" font-size="{self.font}" text-anchor="middle" '
-                f'fill="{light["ink"]}">\n<image width="640" height="{below:.2f}" preserveAspectRatio="none" '
-                f'style="image-rendering:pixelated" href="data:image/png;base64,{data}"/>\n{words}\n</svg>\n')
+            f'font-family="Helvetica, Arial, sans-serif" font-size="{self.font}" text-anchor="middle" '
+            f'fill="{light["ink"]}">\n<image width="640" height="{below:.2f}" preserveAspectRatio="none" '
+            f'style="image-rendering:pixelated" href="data:image/png;base64,{data}"/>\n{words}\n</svg>\n')
