@@ -9,10 +9,8 @@
 #include "methods/weights.hpp"
 #include "number_options.hpp"
 #include "reports/pictures.hpp"
-#include "study/page.hpp"
 #include "study/pictures.hpp"
 
-#include <tactnet/io/write_file.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/text/quoting.hpp>
 
@@ -61,11 +59,10 @@ std::vector<std::pair<std::size_t, std::size_t>> sizes_of(const evaluate_options
     return sizes;
 }
 
-std::filesystem::path picture_stem(const evaluate_options& o, std::string_view kind,
-                                   const std::string& method, std::size_t rows, std::size_t columns,
-                                   std::size_t bits) {
-    return std::filesystem::path(o.results) /
-           fmt::format("{}_{}_{}x{}{}", kind, method, rows, columns, bits == 8 ? "_8bit" : "");
+template <class Number, class Bits>
+std::string picture_name(std::string_view kind, const std::string& method, Number rows, Number columns,
+                         Bits bits) {
+    return fmt::format("{}_{}_{}x{}{}", kind, method, rows, columns, bits == 8 ? "_8bit" : "");
 }
 
 /// TactNet-4 and TactNet-6, if they are there.
@@ -112,7 +109,8 @@ void check(const evaluate_options& o, const split_plan& plan, const candidate_li
         for (const std::size_t bits : bits_of(c))
             for (const std::string_view kind : {"confusion", "reliability"})
                 if (kind == "confusion" || c.what->is_network())
-                    pictures.insert(picture_stem(o, kind, c.what->name, c.what->rows, c.what->columns, bits));
+                    pictures.insert(std::filesystem::path(o.results) /
+                                    picture_name(kind, c.what->name, c.what->rows, c.what->columns, bits));
     check_study_files(o.results, {"table.jsonl", "table.csv"}, pictures,
                       {{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, o.data,
                       chosen);
@@ -124,19 +122,19 @@ void report(const evaluate_options& o, const std::vector<study_row>& rows) {
         const std::string title =
             fmt::format("{}, {} {} splits", title_of(row), o.splits, name_of(shown_rule(rows)));
         const auto stem = [&](std::string_view kind) {
-            return picture_stem(o, kind, row.method, row.rows, row.columns, row.bits);
+            return folder / picture_name(kind, text(row, "method"), number(row, "rows"),
+                                         number(row, "columns"), number(row, "bits"));
         };
         plot_confusion(stem("confusion"), title, row.confusion, row.classes);
         if (row.probabilities)
             plot_reliability(stem("reliability"), title, *row.probabilities);
     }
-    tactnet::write_file(folder / "table.jsonl", study_json_lines(rows));
-    tactnet::write_file(folder / "table.csv", study_csv(rows));
-    draw_study_pictures(study_pictures(rows), folder);
+    write_rows(rows, folder, "table");
+    draw_study_pictures(rows, folder);
     for (const study_table& t :
          {methods_table(rows), details_table(rows), probabilities_table(rows), decisions_table(rows)})
         if (t.cells.size() > 1)
-            print(table(without_empty_columns(t.cells)) + t.notes + '\n');
+            print(table(without_empty_columns(t.cells)) + '\n');
     print("accuracy: test images, mean ± standard deviation (splits); µs: this machine, one core\n");
 }
 
@@ -152,20 +150,8 @@ int evaluate(const evaluate_options& o) {
     }
     result_list results(list);
     const std::vector<task> all = tasks_of(candidates, plan);
-    std::vector<task> to_do;
-    std::ranges::copy_if(all, std::back_inserter(to_do),
-                         [&](const task& t) { return results.find(t.settings) == nullptr; });
-    tell("{} trainings to do, {} done before ({})\n", to_do.size(), all.size() - to_do.size(),
-         printable(list.string()));
-    catch_interrupts();
-    if (!train_all(to_do, o.jobs, results)) {
-        tell("stopped; the same command goes on with what is left\n");
+    if (!train_all(all, o.jobs, results))
         return interrupted_by_user;
-    }
-    for (const task& t : all)
-        if (results.find(in_single_precision(t.settings)) == nullptr) // a line was removed by hand
-            throw tactnet::file_error(o.results, "", "results in 8 bits beside those in single precision",
-                                      "only the former; see --afresh");
     const pinned here;
     report(o, rows_of(candidates, plan, all, results, [](const method& what, std::size_t bits) {
                return measure_latency(what.make_work(bits), what.frames_together());
@@ -224,17 +210,14 @@ int evaluate_weights(const evaluate_options& o) {
                   std::isnan(result.loss) ? "none" : fmt::format("{:.4f}", result.loss)}}));
     if (result.logits.empty())
         return success;
-    study_row row{.method = what.name,
-                  .rows = what.rows,
-                  .columns = what.columns,
-                  .recipe = {},
-                  .bits = weights.trained->bits(),
-                  .probabilities = calibration_of(result, chosen, data, weights.scaling)};
+    study_row row = make_row(what.name, what.rows, what.columns, "", weights.trained->bits());
+    put_calibration(row, calibration_of(result, chosen, data, weights.scaling));
     plot_reliability(stem("reliability_"), o.weights.weights, *row.probabilities);
     if (!what.pretrained()) {
-        row.decisions = sets_of_classes(weights.trained->evaluate(data.view(), split.validation, threads),
-                                        result, data, split);
-        add_means(row.decisions, faults_of_sensor(*weights.trained, data, chosen, 0, threads));
+        put_decisions(row,
+                      sets_of_classes(weights.trained->evaluate(data.view(), split.validation, threads),
+                                      result, data, split));
+        put_decisions(row, faults_of_sensor(*weights.trained, data, chosen, 0, threads));
     }
     for (const study_table& t : {probabilities_table({row}), decisions_table({row})})
         if (t.cells.size() > 1)

@@ -174,7 +174,7 @@ std::vector<std::uint8_t> selftest_images(std::size_t count, std::size_t rows, s
 
 /// What a training leaves.
 struct output_files {
-    std::filesystem::path weights, checkpoint, features;
+    std::filesystem::path weights, checkpoint;
     std::filesystem::path reports; ///< how their names begin
     std::unique_ptr<claims> claimed{};
 };
@@ -185,7 +185,7 @@ output_files files_for(const method& what, const train_options& o) {
         refuse("--resume: expected a network, found {}, which is trained in one go", o.method);
     const std::filesystem::path weights = o.output;
     output_files files{weights, o.checkpoint.empty() ? o.output + ".checkpoint" : o.checkpoint,
-                       o.output + ".features", weights.parent_path() / weights.stem()};
+                       weights.parent_path() / weights.stem()};
     const std::string reports = files.reports.string();
     std::vector<named_file> outputs{{"--output", files.weights}}, more;
     std::vector<named_file> claimed{{"--output", files.weights}, {"--output", reports + ".confusion"}};
@@ -194,8 +194,6 @@ output_files files_for(const method& what, const train_options& o) {
         claimed.push_back(outputs.back());
         more = picture_files("--output", reports + ".learning");
     }
-    if (what.keeps_features())
-        outputs.push_back({"--output", files.features});
     std::ranges::move(picture_files("--output", reports + ".confusion"), std::back_inserter(more));
     std::ranges::move(more, std::back_inserter(outputs));
     check_regular(outputs);
@@ -250,8 +248,6 @@ std::string finish(const train_options& o, const output_files& files, const imag
     std::error_code ignored; // a finished training has nothing to go on with
     if (epochs != nullptr)
         std::filesystem::remove(files.checkpoint, ignored);
-    if (what.keeps_features())
-        std::filesystem::remove(files.features, ignored);
 
     std::string line = fmt::format("{}: trained in {:.1f} s", printable(files.weights.string()), seconds);
     const auto accuracy = [](const tactnet::confusion_matrix& of) {
@@ -308,15 +304,12 @@ int train(const train_options& o) {
     auto begins_with = open_pretrained(what, o.training);
 
     tactnet::thread_pool threads(o.threads);
-    const auto stopped = [&] {
-        tell("stopped; the same command goes on with what is left, from {}\n",
-             printable(files.features.string()));
-        return int{interrupted_by_user};
-    };
     if (begins_with) {
         catch_interrupts();
-        if (!begins_with->prepare(data, {files.features, false}, threads))
-            return stopped();
+        if (!begins_with->prepare(data, {}, threads)) {
+            tell("stopped before the training\n");
+            return interrupted_by_user;
+        }
     }
     const auto training = what.train(recipe, data.view(), std::move(split), o.seed, threads, begins_with);
     begins_with.reset(); // the training has what it needs of it
@@ -328,7 +321,7 @@ int train(const train_options& o) {
          training->split().validation.size(), training->split().test.size());
     const stopwatch watch;
     if (!run(*training, o, recipe.epochs, checkpoint))
-        return what.is_network() ? int{interrupted_by_user} : stopped();
+        return interrupted_by_user;
     const double seconds = watch.seconds();
     std::string line;
     try {

@@ -64,6 +64,10 @@ public:
 
     /// The result of a training with just these settings, or nothing.
     const training_result* find(const tactnet::file_metadata& settings) const;
+    /// Whether a training with these settings is done: also in single precision, if it is one in 8 bits.
+    bool has(const tactnet::file_metadata& settings) const {
+        return find(settings) != nullptr && find(in_single_precision(settings)) != nullptr;
+    }
     /// The result of the same training by another version or for another instruction set, or nothing.
     const training_result* find_elsewhere(const tactnet::file_metadata& settings) const;
     const std::map<tactnet::file_metadata, training_result>& all() const { return results_; }

@@ -202,7 +202,7 @@ private:
             // Under the claim: another program may have finished it since the list was read.
             results_.read_on();
             t = left_.erase(t);
-            if (results_.find(mine->settings) == nullptr)
+            if (!results_.has(mine->settings))
                 return mine;
             claims_.release(name_for(*mine));
             ++from_others_;
@@ -340,18 +340,25 @@ std::vector<task> tasks_of(const candidate_list& candidates, const split_plan& p
     return all;
 }
 
-bool train_all(const std::vector<task>& to_do, std::size_t jobs, result_list& results,
+bool train_all(const std::vector<task>& all, std::size_t jobs, result_list& results,
                std::vector<std::string>* diverged) {
+    std::vector<task> to_do;
     std::set<const candidate*> with_features;
-    for (const task& t : to_do)
-        if (t.of->pretrained)
-            with_features.insert(t.of);
-    if (!with_features.empty()) {
-        tactnet::thread_pool pool(jobs);
-        const auto folder = results.path().parent_path() / "features";
-        for (const candidate* c : with_features)
-            if (!c->pretrained->prepare(*c->data, {folder, true}, pool))
-                return false;
-    }
-    return to_do.empty() || run_all(to_do, jobs, results, diverged);
+    for (const task& t : all)
+        if (!results.has(t.settings)) {
+            to_do.push_back(t);
+            if (t.of->pretrained)
+                with_features.insert(t.of);
+        }
+    tell("{} trainings to do, of {} in all ({})\n", to_do.size(), all.size(),
+         printable(results.path().string()));
+    catch_interrupts();
+    tactnet::thread_pool pool(with_features.empty() ? 1 : jobs);
+    const bool prepared = std::ranges::all_of(with_features, [&](const candidate* c) {
+        return c->pretrained->prepare(*c->data, results.path().parent_path() / "features", pool);
+    });
+    if (prepared && (to_do.empty() || run_all(to_do, jobs, results, diverged)))
+        return true;
+    tell("stopped; the same command goes on with what is left\n");
+    return false;
 }

@@ -57,20 +57,15 @@ struct pretrained_file {
     std::size_t bytes; ///< that its arrays take in single precision
 };
 
-/// Where features of images are kept.
-struct feature_place {
-    std::filesystem::path path;
-    bool is_folder; ///< of files that are named by what is in them; else one file, by this name
-};
-
 /// Such a file, opened by a method and found to fit it.
 class pretrained_weights {
 public:
     virtual ~pretrained_weights() = default;
-    /// Computes what all trainings on these images have in common, and keeps it in `place`, where another
-    /// call goes on however this one was stopped. Returns false if it was interrupted. The images must
-    /// outlive this.
-    virtual bool prepare(const image_data&, const feature_place&, tactnet::thread_pool&) { return true; }
+    /// Computes what all trainings on these images have in common. Keeps it in a folder for later programs,
+    /// unless that is no name. Returns false if it was interrupted. The images must outlive this.
+    virtual bool prepare(const image_data&, const std::filesystem::path&, tactnet::thread_pool&) {
+        return true;
+    }
 };
 
 /// What one frame costs, in a method for a number of classes.
@@ -218,7 +213,7 @@ public:
     std::size_t frames_together() const { return pretrained() ? 16 : 64; }
     /// The network that others have trained on photographs and that it begins with, if it does.
     virtual std::optional<pretrained_file> pretrained() const { return std::nullopt; }
-    /// Whether its features of images are computed once and kept, since it is not trained.
+    /// Whether features of images are computed once for all trainings, by a network that is not trained.
     virtual bool keeps_features() const { return false; }
     /// Opens the file of it. Throws tactnet::file_error; for methods that need one alone.
     virtual std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path&) const {

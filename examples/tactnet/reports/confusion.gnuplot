@@ -1,11 +1,11 @@
 # A confusion matrix: shares of the true class in colour, counts in figures.
-#     gnuplot -c confusion.gnuplot confusion.csv png TITLE CLASS/CLASS/… > confusion.png
+#     gnuplot -c confusion.gnuplot confusion.csv TITLE CLASS/CLASS/… > confusion.png
 set datafile separator ","
 set termoption noenhanced
-# The names in ARG4 end with a slash each.
+# The names in ARG3 end with a slash each.
 array name[1000]
 n = 0
-rest = ARG4
+rest = ARG3
 while (strlen(rest) > 0) {
     n = n + 1
     end = strstrt(rest, "/")
@@ -13,16 +13,15 @@ while (strlen(rest) > 0) {
     rest = rest[end + 1:*]
 }
 side = 260 + 34 * n
-if (ARG2 eq "svg") { set terminal svg size side + 60,side dynamic font "sans-serif,11" noenhanced } \
-else { if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size side + 60,side noenhanced } \
-else { set terminal png size side + 60,side noenhanced } }
+if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size side + 60,side noenhanced } \
+else { set terminal png size side + 60,side noenhanced }
 array total[n]
 do for [i = 1:n] {
     stats ARG1 skip 1 every ::(i - 1)::(i - 1) using (sum [j = 2:n + 1] column(j)) nooutput
     total[i] = STATS_max
 }
 share(truth, count) = total[int(truth) + 1] > 0 ? count / total[int(truth) + 1] : 0
-set title ARG3
+set title ARG2
 set xrange [-0.5:n - 0.5]
 set yrange [n - 0.5:-0.5]
 set xtics rotate by 60 right ("" 0)

@@ -1,16 +1,15 @@
 # Loss and validation accuracy of a training, epoch by epoch.
-#     gnuplot -c learning_curves.gnuplot curves.csv png TITLE > curves.png
+#     gnuplot -c learning_curves.gnuplot curves.csv TITLE > curves.png
 set datafile separator ","
 set datafile missing NaN
-if (ARG2 eq "svg") { set terminal svg size 900,600 dynamic font "sans-serif,13" noenhanced } \
-else { if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size 1100,700 font ",11" noenhanced } \
-else { set terminal png size 1100,700 noenhanced } }
+if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size 1100,700 font ",11" noenhanced } \
+else { set terminal png size 1100,700 noenhanced }
 set border 3 lc rgb "#8a8a86"
 set tics nomirror
 set grid lc rgb "#d0d0cc" lw 0.5
 stats ARG1 skip 1 using 4 nooutput
 validated = exists("STATS_records") && STATS_records > 0
-set multiplot layout 1,(validated ? 2 : 1) title ARG3
+set multiplot layout 1,(validated ? 2 : 1) title ARG2
 set xlabel "epoch"
 set logscale y
 set ylabel "loss"

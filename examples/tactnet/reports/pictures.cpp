@@ -21,23 +21,9 @@
 
 namespace {
 
-bool is_whole(std::string_view bytes, std::string_view format) {
+bool is_whole_png(std::string_view bytes) {
     using namespace std::string_view_literals;
-    if (format == "svg")
-        return bytes.starts_with("<?xml"sv) && bytes.ends_with("</svg>\n\n"sv);
     return bytes.starts_with("\x89PNG\r\n\x1A\n"sv) && bytes.ends_with("\0\0\0\0IEND\xAE\x42\x60\x82"sv);
-}
-
-/// The first of gnuplot's words that say what was wrong.
-std::string first_line(std::string_view words) {
-    while (!words.empty()) {
-        std::string_view line = words.substr(0, words.find('\n'));
-        words.remove_prefix(std::min(line.size() + 1, words.size()));
-        line.remove_prefix(std::min(line.find_first_not_of(" \t^"), line.size()));
-        if (!line.empty())
-            return std::string(line);
-    }
-    return "";
 }
 
 /// A slash after each.
@@ -57,9 +43,8 @@ std::string shell_word(std::string_view text) {
 }
 
 /// The command of the shell that writes a picture to the standard output.
-std::string command_for(const std::string& script, const std::string& csv, const std::string& format,
-                        const picture_titles& titles) {
-    return fmt::format("gnuplot -c {} {} {} {} {}", shell_word(script), shell_word(csv), format,
+std::string command_for(const std::string& script, const std::string& csv, const picture_titles& titles) {
+    return fmt::format("gnuplot -c {} {} {} {}", shell_word(script), shell_word(csv),
                        shell_word(printable(titles.title)), shell_word(joined(titles.names)));
 }
 
@@ -78,45 +63,33 @@ std::pair<std::string, int> output_of(const std::string& command) {
 
 } // namespace
 
-drawn_picture draw(const std::string& script, const std::filesystem::path& csv, const std::string& format,
-                   const picture_titles& titles) {
-    const std::string command =
-        command_for("/dev/stdin", std::filesystem::absolute(csv).string(), format, titles);
-    const auto run = [&](const char* streams) {
-        return output_of(
-            fmt::format("{} {} <<'end of script'\n{}\nend of script\n", command, streams, embedded(script)));
-    };
-    auto [picture, status] = run("2>/dev/null");
-    if (status == 0 && is_whole(picture, format))
-        return {std::move(picture), {}};
-    if (status == 127) // by convention of the shell
-        return {{}, "gnuplot was not found"};
-    const std::string line = first_line(run("2>&1 >/dev/null").first);
-    return {{}, "gnuplot did not draw it" + (line.empty() ? "" : " ('" + line + "')")};
-}
-
-void draw_picture(const std::string& script, const std::filesystem::path& stem, const std::string& csv,
+bool draw_picture(const std::string& script, const std::filesystem::path& stem, const std::string& csv,
                   const picture_titles& titles) {
     const auto file = [&](const char* ending) { return std::filesystem::path(stem) += ending; };
     const auto name = [&](const char* ending) { return printable("./" + file(ending).filename().string()); };
     make_folder_of(stem);
     tactnet::write_file(file(".csv"), csv);
-    drawn_picture drawn = draw(script, file(".csv"), "png", titles);
+    const auto [picture, status] = output_of(
+        fmt::format("{} 2>/dev/null <<'end of script'\n{}\nend of script\n",
+                    command_for("/dev/stdin", std::filesystem::absolute(file(".csv")).string(), titles),
+                    embedded(script)));
+    std::string problem = status == 127 ? "gnuplot was not found" // by convention of the shell
+                                        : "gnuplot did not draw it";
     std::error_code ignored;
     try {
-        if (!drawn.picture.empty()) {
-            tactnet::write_file(file(".png"), drawn.picture);
+        if (status == 0 && is_whole_png(picture)) {
+            tactnet::write_file(file(".png"), picture);
             std::filesystem::remove(file(".gp"), ignored);
-            return;
+            return true;
         }
     } catch (const tactnet::file_error& error) { // a full disk, which may have room for the script
-        drawn.problem = error.what();
+        problem = error.what();
     }
     std::filesystem::remove(file(".png"), ignored); // an earlier one would not fit the table
     tactnet::write_file(file(".gp"), embedded(script));
     tell("{} is not drawn: {}; in its folder, {} > {} draws it\n", printable(file(".png").string()),
-         printable(drawn.problem), command_for(name(".gp"), name(".csv"), "png", titles),
-         shell_word(name(".png")));
+         printable(problem), command_for(name(".gp"), name(".csv"), titles), shell_word(name(".png")));
+    return false;
 }
 
 void plot_learning_curves(const std::filesystem::path& stem, const std::string& title,

@@ -12,26 +12,16 @@
 #include <string>
 #include <vector>
 
-/// What gnuplot made of a script.
-struct drawn_picture {
-    std::string picture; ///< a whole file, or nothing
-    std::string problem; ///< why there is nothing
-};
-
 /// What a picture says of itself. Names are those of its series, without slashes.
 struct picture_titles {
     std::string title{};
     std::vector<std::string> names{};
 };
 
-/// Draws a CSV file by the script of that name as "png" or "svg". The script gets the file, the format, the
-/// title and the names as its arguments, which no gnuplot and no shell reads as commands.
-drawn_picture draw(const std::string& script, const std::filesystem::path& csv, const std::string& format,
-                   const picture_titles& titles);
-
-/// Writes STEM.csv and draws it as STEM.png. Where it cannot be drawn, the script is left as STEM.gp, and a
-/// message says how to draw it later.
-void draw_picture(const std::string& script, const std::filesystem::path& stem, const std::string& csv,
+/// Writes STEM.csv, and draws it as STEM.png by the script of that name, which gets the file, the title and
+/// the names as its arguments: no gnuplot and no shell reads these as commands. Where it cannot be drawn, the
+/// script is left as STEM.gp, and a message says how to draw it later; then false.
+bool draw_picture(const std::string& script, const std::filesystem::path& stem, const std::string& csv,
                   const picture_titles& titles);
 
 /// A line for each epoch of a training.

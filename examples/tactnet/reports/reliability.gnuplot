@@ -1,17 +1,16 @@
 # A reliability diagram: of recognitions with about the same probability, how many are right; and how many there are.
-#     gnuplot -c reliability.gnuplot reliability.csv png TITLE > reliability.png
+#     gnuplot -c reliability.gnuplot reliability.csv TITLE > reliability.png
 set datafile separator ","
 set datafile missing NaN
-if (ARG2 eq "svg") { set terminal svg size 600,800 dynamic font "sans-serif,13" noenhanced } \
-else { if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size 700,900 font ",11" noenhanced } \
-else { set terminal png size 700,900 noenhanced } }
+if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size 700,900 font ",11" noenhanced } \
+else { set terminal png size 700,900 noenhanced }
 set border 3 lc rgb "#8a8a86"
 set tics nomirror
 set grid lc rgb "#d0d0cc" lw 0.5
 set lmargin 10
 set rmargin 3
 set xrange [0:1]
-set multiplot title ARG3
+set multiplot title ARG2
 set size 1,0.7
 set origin 0,0.27
 set ylabel "share that is right"

@@ -94,30 +94,3 @@ std::string markdown_table(const table_cells& rows) {
     }
     return text;
 }
-
-std::string html_table(const table_cells& rows) {
-    std::string text = "<div class=\"wide\"><table>\n";
-    for (const auto& row : rows) {
-        text += "<tr>";
-        const char* const tag = &row == &rows.front() ? "th" : "td";
-        for (const std::string& cell : row) {
-            const bool code = cell.size() > 1 && cell.starts_with('`') && cell.ends_with('`');
-            text += fmt::format("<{0}>{1}</{0}>", tag,
-                                code ? "<code>" + escaped(cell.substr(1, cell.size() - 2)) + "</code>"
-                                     : escaped(cell));
-        }
-        text += "</tr>\n";
-    }
-    return text + "</table></div>\n";
-}
-
-std::string escaped(std::string_view text) {
-    std::string result;
-    for (const char c : text)
-        result += c == '&'   ? std::string("&amp;")
-                  : c == '<' ? std::string("&lt;")
-                  : c == '>' ? std::string("&gt;")
-                  : c == '"' ? std::string("&quot;")
-                             : std::string(1, c);
-    return result;
-}

@@ -28,11 +28,6 @@ table_cells without_empty_columns(const table_cells& rows);
 /// For a terminal, in columns as wide as need be. The first column is left-aligned.
 std::string table(const table_cells& rows);
 std::string markdown_table(const table_cells& rows);
-/// Text between backticks is code.
-std::string html_table(const table_cells& rows);
-
-/// For the text of HTML and for attributes in double quotes.
-std::string escaped(std::string_view text);
 
 /// The text of a file of this program, such as "confusion.gnuplot", which the build has put into it.
 std::string_view embedded(std::string_view name);

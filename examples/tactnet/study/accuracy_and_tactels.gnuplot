@@ -1,14 +1,13 @@
 # Test accuracy against the number of tactels, of methods at several sizes.
-#     gnuplot -c accuracy_and_tactels.gnuplot accuracy_and_tactels.csv png "" METHOD/METHOD/… > accuracy_and_tactels.png
+#     gnuplot -c accuracy_and_tactels.gnuplot accuracy_and_tactels.csv "" METHOD/METHOD/… > accuracy_and_tactels.png
 set datafile separator ","
 set datafile columnheaders
-if (ARG2 eq "svg") { set terminal svg size 900,600 dynamic font "sans-serif,13" noenhanced } \
-else { if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size 1100,700 font ",11" noenhanced } \
-else { set terminal png size 1100,700 noenhanced } }
-# The names in ARG4 end with a slash each.
+if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size 1100,700 font ",11" noenhanced } \
+else { set terminal png size 1100,700 noenhanced }
+# The names in ARG3 end with a slash each.
 array name[1000]
 n = 0
-rest = ARG4
+rest = ARG3
 while (strlen(rest) > 0) {
     n = n + 1
     end = strstrt(rest, "/")
@@ -30,7 +29,6 @@ stats ARG1 using "x" nooutput
 set border 3 lc rgb "#8a8a86"
 set tics nomirror
 set grid lc rgb "#d0d0cc" lw 0.5
-set pointintervalbox 0
 set logscale x 2
 set xrange [0.8 * STATS_min:1.25 * STATS_max]
 set xlabel "tactels"
@@ -40,5 +38,4 @@ set ylabel "test accuracy, %"
 set key opaque bottom right
 plot for [i = 1:n] ARG1 using (x(i)):"accuracy" smooth unique with lines lw 1.5 lc i notitle, \
     for [i = 1:n] "" using (x(i)):"accuracy":(column("accuracy") - column("deviation")): \
-        (below(column("accuracy") + column("deviation"))) with yerrorbars pt 4 + i % 10 ps 0.8 lc i title name[i], \
-    for [i = 1:n] "" using (x(i)):"accuracy":"words" with labels hypertext point pt 4 + i % 10 ps 0.8 lc i notitle
+        (below(column("accuracy") + column("deviation"))) with yerrorbars pt 4 + i % 10 ps 0.8 lc i title name[i]

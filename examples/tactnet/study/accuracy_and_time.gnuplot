@@ -1,11 +1,10 @@
 # Test accuracy against time per frame: each method, the Pareto front, the paper.
-#     gnuplot -c accuracy_and_time.gnuplot accuracy_and_time.csv png > accuracy_and_time.png
+#     gnuplot -c accuracy_and_time.gnuplot accuracy_and_time.csv > accuracy_and_time.png
 set datafile separator ","
 set datafile columnheaders
 set datafile missing NaN
-if (ARG2 eq "svg") { set terminal svg size 900,600 dynamic font "sans-serif,13" noenhanced } \
-else { if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size 1100,700 font ",11" noenhanced } \
-else { set terminal png size 1100,700 noenhanced } }
+if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size 1100,700 font ",11" noenhanced } \
+else { set terminal png size 1100,700 noenhanced }
 # Hues that colour-blind people can distinguish, on light and dark ground; grey for the paper.
 array series = ["touches", "photographs", "machines", "paper", "front", "names"]
 array title = ["networks for touches", "ImageNet-pretrained networks", "support vector machines", "the paper", \
@@ -35,7 +34,6 @@ stats ARG1 using "x" nooutput
 set border 3 lc rgb "#8a8a86"
 set tics nomirror
 set grid lc rgb "#d0d0cc" lw 0.5
-set pointintervalbox 0
 set logscale x
 set xrange [0.015 * STATS_min:30 * STATS_max]
 set xlabel "time per frame, one core (log scale)"
@@ -47,5 +45,4 @@ plot ARG1 using (x(5)):"accuracy" smooth unique with steps lw 1.5 dt 2 lc rgb hu
     for [i = 1:4] "" using (x(i)):"accuracy":(column("accuracy") - column("deviation")): \
         (below(column("accuracy") + column("deviation"))) with yerrorbars pt 7 ps 0 lc rgb 0xa0000000 + hue[i] notitle, \
     for [i = 1:4] "" using (x(i)):"accuracy" with points pt mark[i] ps 0.8 lc rgb hue[i] title key(i), \
-    for [i = 1:4] "" using (x(i)):"accuracy":"words" with labels hypertext point pt mark[i] ps 0.8 lc rgb hue[i] notitle, \
-    "" using (x(6)):"accuracy":"words" with labels right offset -0.8,0.5 font ",10" notitle
+    "" using (x(6)):"accuracy":"label" with labels right offset -0.8,0.5 font ",10" notitle

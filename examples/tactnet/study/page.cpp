@@ -8,198 +8,208 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <string>
+#include <functional>
 
 namespace {
 
 using tactnet::split_rule;
 
-std::string size_of(const study_row& row) {
-    return fmt::format("{} × {}", row.rows, row.columns);
+/// A column of a table: its head, and what of a row stands in it.
+struct column {
+    std::string title;
+    std::function<std::string(const study_row&)> cell;
+};
+
+std::string fixed_text(double value, int digits) {
+    return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "";
 }
-std::string mean_of(const tactnet::mean_and_deviation& m, const std::string& splits) {
-    return fmt::format("{:.2f} ± {:.2f} ({})", 100 * m.mean, 100 * m.deviation, splits);
+column fixed(std::string title, const std::string& member, int digits, double factor = 1) {
+    return {std::move(title),
+            [=](const study_row& row) { return fixed_text(factor * number(row, member), digits); }};
 }
-std::string accuracy_of(const study_row& row, split_rule rule) {
-    const split_accuracies* const a = find_accuracy(row, rule);
-    if (a == nullptr)
+column percent(std::string title, const std::string& member) {
+    return fixed(std::move(title), member, 2, 100);
+}
+column count(std::string title, const std::string& member) {
+    return {std::move(title), [=](const study_row& row) {
+                const double value = number(row, member);
+                return value > 0 ? grouped(static_cast<std::size_t>(value)) : "";
+            }};
+}
+/// "97.80 ± 0.92 (20)", or "(18 of 20)" where splits are missing.
+std::string accuracy_text(const study_row& row, split_rule rule, const std::string& kind = "") {
+    const double mean = number(row, rule, kind + "accuracy"), splits = number(row, rule, kind + "splits"),
+                 wanted = number(row, rule, "splits_wanted");
+    if (!std::isfinite(mean))
         return "";
-    return mean_of(a->test, a->splits == a->wanted ? fmt::to_string(a->splits)
-                                                   : fmt::format("{} of {}", a->splits, a->wanted));
+    return fmt::format("{:.2f} ± {:.2f} ({}{})", 100 * mean, 100 * number(row, rule, kind + "deviation"),
+                       splits, kind.empty() && splits < wanted ? fmt::format(" of {}", wanted) : "");
 }
-std::string reflected_of(const study_row& row, split_rule rule) {
-    const split_accuracies* const a = find_accuracy(row, rule);
-    return a == nullptr || a->reflected_splits == 0
-               ? ""
-               : mean_of(a->reflected, fmt::to_string(a->reflected_splits));
+column accuracy(std::string title, split_rule rule, const std::string& kind = "") {
+    return {std::move(title), [=](const study_row& row) { return accuracy_text(row, rule, kind); }};
 }
-std::string percent_of(double share) {
-    return std::isfinite(share) ? fmt::format("{:.2f}", 100 * share) : "";
+column by_rule(const std::string& title, split_rule rule, const std::string& member) {
+    return percent(title, fmt::format("{}_{}", name_of(rule), member));
 }
-std::string time_of(const study_row& row, double frame_latency::*what, int digits = 1) {
-    return row.latency ? fmt::format("{:.{}f}", (*row.latency).*what, digits) : "";
+
+const column method_column{"method", method_title};
+const column size_column{"tactels", [](const study_row& row) {
+                             return fmt::format("{} × {}", number(row, "rows"), number(row, "columns"));
+                         }};
+const column recipe_column{"recipe", [](const study_row& row) { return text(row, "recipe"); }};
+const column paper_column{"paper, random, %", [](const study_row& row) {
+                              const double mean = number(row, "published_accuracy");
+                              return std::isfinite(mean)
+                                         ? fmt::format("{:.2f} ± {:.2f}", 100 * mean,
+                                                       100 * number(row, "published_deviation"))
+                                         : "";
+                          }};
+const column type_column{"C++", [](const study_row& row) {
+                             const std::string type = text(row, "declaration");
+                             return type.empty() ? "" : '`' + type + '`';
+                         }};
+
+bool has_accuracy(const study_row& row) {
+    return std::isfinite(number(row, split_rule::random, "accuracy")) ||
+           std::isfinite(number(row, split_rule::blocked, "accuracy"));
 }
-std::string count_of(std::size_t number) {
-    return number > 0 ? grouped(number) : "";
+
+/// With a line for each row that is wanted.
+study_table table_of(study_table about, const std::vector<column>& columns,
+                     const std::vector<const study_row*>& rows) {
+    about.cells.emplace_back();
+    for (const column& c : columns)
+        about.cells.front().push_back(c.title);
+    for (const study_row* row : rows) {
+        about.cells.emplace_back();
+        for (const column& c : columns)
+            about.cells.back().push_back(c.cell(*row));
+    }
+    return about;
 }
-std::string code_of(const study_row& row) {
-    return row.declaration.empty() ? "" : "`" + row.declaration + "`";
-}
-std::string seconds_of(const study_row& row) {
-    return row.accuracies.empty() ? "" : fmt::format("{:.1f}", row.seconds);
+template <class Wanted>
+study_table table_of(study_table about, const std::vector<column>& columns,
+                     const std::vector<study_row>& rows, Wanted wanted) {
+    std::vector<const study_row*> some;
+    for (const study_row& row : rows)
+        if (wanted(row))
+            some.push_back(&row);
+    return table_of(std::move(about), columns, some);
 }
 
 study_table front_table(const std::vector<study_row>& rows) {
     const split_rule rule = shown_rule(rows);
     const split_rule other = rule == split_rule::random ? split_rule::blocked : split_rule::random;
-    study_table t{"front",
-                  "Pareto front",
-                  fmt::format("Methods with which no other is both faster and more accurate, over {} splits.",
-                              name_of(rule)),
-                  {{"method", "tactels", "µs per frame", fmt::format("accuracy, {} splits, %", name_of(rule)),
-                    fmt::format("{} splits, %", name_of(other)), "parameters", "C++"}}};
-    for (const study_row* row : pareto_front(rows, rule))
-        t.cells.push_back(
-            {method_title(*row) + (row->recipe == "default" ? "" : ", " + row->recipe + " recipe"),
-             size_of(*row), time_of(*row, &frame_latency::median), accuracy_of(*row, rule),
-             accuracy_of(*row, other), count_of(row->costs.parameters), code_of(*row)});
-    return t;
+    const column method{"method", [](const study_row& row) {
+                            const std::string recipe = text(row, "recipe");
+                            return method_title(row) + (recipe == "default" ? "" : ", " + recipe + " recipe");
+                        }};
+    return table_of(
+        {"front",
+         "Pareto front",
+         fmt::format("Methods with which no other is both faster and more accurate, over {} splits.",
+                     name_of(rule)),
+         {}},
+        {method, size_column, fixed("µs per frame", "microseconds", 1),
+         accuracy(fmt::format("accuracy, {} splits, %", name_of(rule)), rule),
+         accuracy(fmt::format("{} splits, %", name_of(other)), other), count("parameters", "parameters"),
+         type_column},
+        pareto_front(rows, rule));
 }
 
 study_table memory_table(const std::vector<study_row>& rows) {
-    study_table t{"memory",
-                  "Memory",
-                  "Working memory: the largest set of activations alive at once.",
-                  {{"method", "tactels", "weights, bytes", "working memory, bytes"}}};
-    for (const study_row& row : rows)
-        if (!row.declaration.empty() && row.recipe == "default") // a recipe changes no bytes
-            t.cells.push_back({method_title(row), size_of(row), count_of(row.costs.parameter_bytes),
-                               count_of(row.costs.activation_bytes)});
-    return t;
-}
-
-std::string subject_of(const report_subject& of) {
-    return fmt::format("{}. {}; {:%Y-%m-%d}.", of.images, of.program,
-                       fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
+    return table_of(
+        {"memory", "Memory", "Working memory: the largest set of activations alive at once.", {}},
+        {method_column, size_column, count("weights, bytes", "bytes"),
+         count("working memory, bytes", "activation_bytes")},
+        rows, [](const study_row& row) { // a recipe changes no bytes
+            return !text(row, "declaration").empty() && text(row, "recipe") == "default";
+        });
 }
 
 } // namespace
 
 study_table methods_table(const std::vector<study_row>& rows) {
-    study_table t{"methods",
-                  "All methods",
-                  "Mean ± standard deviation of the accuracy on test images (number of splits).",
-                  {{"method", "tactels", "recipe", "random splits, %", "the same, reflections averaged, %",
-                    "blocked splits, %", "paper, random, %", "µs per frame", "p99", "paper, ms", "parameters",
-                    "multiply-adds", "training, s"}}};
-    for (const study_row& row : rows) {
-        const published_result* const paper = row.published;
-        t.cells.push_back(
-            {method_title(row), size_of(row), row.accuracies.empty() ? "" : row.recipe,
-             accuracy_of(row, split_rule::random), reflected_of(row, split_rule::random),
-             accuracy_of(row, split_rule::blocked),
-             paper == nullptr ? "" : fmt::format("{:.2f} ± {:.2f}", paper->accuracy, paper->deviation),
-             time_of(row, &frame_latency::median), time_of(row, &frame_latency::p99),
-             paper == nullptr || paper->seconds == 0 ? "" : fmt::format("{:.0f}", 1e3 * paper->seconds),
-             count_of(row.costs.parameters), count_of(row.costs.multiply_adds), seconds_of(row)});
-        if (!row.missing.empty())
-            t.notes += fmt::format("- {}: {}\n", title_of(row), row.missing);
-    }
-    return t;
+    return table_of(
+        {"methods",
+         "All methods",
+         "Mean ± standard deviation of the accuracy on test images (number of splits).",
+         {}},
+        {method_column, size_column, recipe_column, accuracy("random splits, %", split_rule::random),
+         accuracy("the same, reflections averaged, %", split_rule::random, "reflected_"),
+         accuracy("blocked splits, %", split_rule::blocked), paper_column,
+         fixed("µs per frame", "microseconds", 1), fixed("p99", "microseconds_p99", 1),
+         fixed("paper, ms", "published_microseconds", 0, 1e-3), count("parameters", "parameters"),
+         count("multiply-adds", "multiply_adds"), fixed("training, s", "training_seconds", 1)},
+        rows, [](const study_row&) { return true; });
 }
 
 study_table details_table(const std::vector<study_row>& rows) {
     const split_rule rule = shown_rule(rows);
-    study_table t{"details",
-                  "Details",
-                  fmt::format("Accuracies are means over {} splits. In batch: the time of a frame where many "
-                              "pass together. Jitter: p99 ÷ median of a loop in registers that takes as long "
-                              "as the frame; that much of p99 is the machine's.",
-                              name_of(rule)),
-                  {{"method", "tactels", "recipe", "validation, %", "training, %", "in batch, µs", "jitter",
-                    "multiply-adds on pixels", "C++"}}};
-    for (const study_row& row : rows)
-        if (const auto* a = find_accuracy(row, rule); a != nullptr || row.latency)
-            t.cells.push_back({method_title(row), size_of(row), row.recipe,
-                               percent_of(a != nullptr ? a->validation : std::nan("")),
-                               percent_of(a != nullptr ? a->training : std::nan("")),
-                               time_of(row, &frame_latency::in_batch),
-                               time_of(row, &frame_latency::jitter, 2),
-                               count_of(row.costs.multiply_adds_on_pixels), code_of(row)});
-    return t;
+    return table_of({"details",
+                     "Details",
+                     fmt::format("Accuracies are means over {} splits. In batch: the time of a frame where "
+                                 "many pass together. Jitter: p99 ÷ median of a loop in registers that takes "
+                                 "as long as the frame; that much of p99 is the machine's.",
+                                 name_of(rule)),
+                     {}},
+                    {method_column, size_column, recipe_column,
+                     by_rule("validation, %", rule, "validation_accuracy"),
+                     by_rule("training, %", rule, "training_accuracy"),
+                     fixed("in batch, µs", "microseconds_in_batch", 1), fixed("jitter", "jitter", 2),
+                     count("multiply-adds on pixels", "multiply_adds_on_pixels"), type_column},
+                    rows, [](const study_row& row) {
+                        return has_accuracy(row) || std::isfinite(number(row, "microseconds"));
+                    });
 }
 
 study_table probabilities_table(const std::vector<study_row>& rows) {
-    study_table t{
-        "probabilities",
-        "How sure networks are",
-        fmt::format(
-            "Calibration error: by how much the probability of the recognised class differs from how "
-            "often it is right, mean over 15 bins. Brier score: the mean square of that probability's "
-            "error. Before: by the softmax. After: with logits divided by a temperature that each "
-            "training fits to its validation images. All {} splits together.",
-            name_of(shown_rule(rows))),
-        {{"method", "tactels", "recipe", "temperature", "calibration error before, %", "after, %",
-          "Brier score before", "after"}}};
-    for (const study_row& row : rows)
-        if (row.probabilities) {
-            const auto& [scaling, before, after] = *row.probabilities;
-            t.cells.push_back(
-                {method_title(row), size_of(row), row.recipe, fmt::format("{:.2f}", scaling.temperature),
-                 percent_of(before.calibration_error()), percent_of(after.calibration_error()),
-                 fmt::format("{:.4f}", before.brier_score()), fmt::format("{:.4f}", after.brier_score())});
-        }
-    return t;
+    return table_of(
+        {"probabilities",
+         "How sure networks are",
+         fmt::format(
+             "Calibration error: by how much the probability of the recognised class differs from how "
+             "often it is right, mean over 15 bins. Brier score: the mean square of that probability's "
+             "error. Before: by the softmax. After: with logits divided by a temperature that each "
+             "training fits to its validation images. All {} splits together.",
+             name_of(shown_rule(rows))),
+         {}},
+        {method_column, size_column, recipe_column, fixed("temperature", "temperature", 2),
+         percent("calibration error before, %", "softmax_calibration_error"),
+         percent("after, %", "calibration_error"), fixed("Brier score before", "softmax_brier_score", 4),
+         fixed("after", "brier_score", 4)},
+        rows, [](const study_row& row) { return std::isfinite(number(row, "temperature")); });
 }
 
 study_table decisions_table(const std::vector<study_row>& rows) {
-    study_table t{"decisions",
-                  "From frames to decisions",
-                  fmt::format("{} All {} splits together.", decision_caption, name_of(shown_rule(rows))),
-                  {{"method", "tactels", "recipe"}}};
-    for (const decision_column& column : decision_columns)
-        t.cells.front().emplace_back(column.title);
-    for (const study_row& row : rows) {
-        if (row.decisions.empty())
-            continue;
-        table_cells::value_type& cells = t.cells.emplace_back();
-        cells = {method_title(row), size_of(row), row.recipe};
-        for (const decision_column& column : decision_columns)
-            cells.push_back(text_of(row.decisions, column));
-    }
-    return t;
+    std::vector<column> columns{method_column, size_column, recipe_column};
+    for (const decision_column& c : decision_columns)
+        columns.push_back(fixed(std::string(c.title), std::string(c.name), c.is_share ? 2 : 3,
+                                c.is_share ? 100 : 1));
+    return table_of({"decisions",
+                     "From frames to decisions",
+                     fmt::format("{} All {} splits together.", decision_caption, name_of(shown_rule(rows))),
+                     {}},
+                    columns, rows, [](const study_row& row) {
+                        return std::ranges::any_of(decision_columns, [&](const decision_column& c) {
+                            return std::isfinite(number(row, c.name));
+                        });
+                    });
 }
 
-std::vector<study_table> study_tables(const std::vector<study_row>& rows) {
-    std::vector<study_table> all{front_table(rows),         methods_table(rows),   details_table(rows),
-                                 probabilities_table(rows), decisions_table(rows), memory_table(rows)};
-    std::erase_if(all, [](const study_table& t) { return t.cells.size() < 2; });
-    return all;
-}
-
-std::string study_markdown(const std::vector<study_row>& rows, const report_subject& of) {
-    std::string text = fmt::format("# What accuracy costs in time\n\n{} Accuracy on test images: mean ± "
-                                   "standard deviation (number of splits). Times: median of single frames on "
-                                   "one core.\n",
-                                   subject_of(of));
-    for (const study_table& t : study_tables(rows))
-        text += fmt::format("\n## {}\n\n{}\n\n<!-- study {} -->\n{}{}{}<!-- study {} ends -->\n", t.title,
-                            t.caption, t.name, markdown_table(t.cells), t.notes.empty() ? "" : "\n", t.notes,
-                            t.name);
-    return text;
-}
-
-std::string study_page(const std::vector<study_row>& rows,
-                       const std::vector<std::pair<std::string, std::string>>& pictures,
+std::string study_page(const std::vector<study_row>& rows, const std::vector<page_picture>& pictures,
                        const report_subject& of) {
-    std::string body = fmt::format("<p>{} Each time is of one core.</p>\n", escaped(subject_of(of)));
-    for (const auto& [caption, svg] : pictures)
-        if (!svg.empty()) // without the declaration of an XML file
-            body += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n",
-                                svg.substr(std::min(svg.find("<svg"), svg.size())), escaped(caption));
-    for (const study_table& t : study_tables(rows))
-        body += fmt::format("<h2>{}</h2>\n{}<p>{}\n{}</p>\n", escaped(t.title), html_table(t.cells),
-                            escaped(t.caption), escaped(t.notes));
-    std::string page(embedded("page.html"));
-    return page.replace(page.find("<!-- report -->\n"), 16, body);
+    std::string page = fmt::format(
+        "# What accuracy costs in time\n\n{}. {}; {:%Y-%m-%d}. Accuracy on test images: mean ± standard "
+        "deviation (number of splits). Times: median of single frames on one core.\n",
+        of.images, of.program,
+        fmt::gmtime(std::chrono::system_clock::to_time_t(std::chrono::system_clock::now())));
+    for (const auto& [file, caption] : pictures)
+        page += fmt::format("\n![{}]({})\n\n{}\n", caption, file, caption);
+    for (const study_table& t : {front_table(rows), methods_table(rows), details_table(rows),
+                                 probabilities_table(rows), decisions_table(rows), memory_table(rows)})
+        if (t.cells.size() > 1)
+            page += fmt::format("\n## {}\n\n{}\n\n<!-- study {} -->\n{}<!-- study {} ends -->\n", t.title,
+                                t.caption, t.name, markdown_table(t.cells), t.name);
+    return page;
 }

@@ -3,55 +3,36 @@
 #include "methods/training_settings.hpp"
 #include "reports/pictures.hpp"
 #include "reports/report.hpp"
+#include "study/published.hpp"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <map>
-#include <string_view>
 #include <utility>
 
 namespace {
 
 using tactnet::split_rule;
 
-/// gnuplot ends a text at a comma, quoted or not.
-std::string without_commas(std::string text) {
-    std::ranges::replace(text, ',', ';');
-    return text;
+/// A point of a picture. Accuracies in percent; gnuplot ends a text at a comma, quoted or not.
+nlohmann::ordered_json point(std::string series, double x, double accuracy, double deviation,
+                             std::string label = "") {
+    std::ranges::replace(series, ',', ';');
+    std::ranges::replace(label, ',', ';');
+    return {
+        {"series", series}, {"x", x}, {"accuracy", accuracy}, {"deviation", deviation}, {"label", label}};
 }
-
-/// A point of a picture. Accuracies in percent.
-nlohmann::ordered_json point(const std::string& series, double x, double accuracy, double deviation,
-                             const std::string& words) {
-    return {{"series", without_commas(series)},
-            {"x", x},
-            {"accuracy", accuracy},
-            {"deviation", deviation},
-            {"words", without_commas(words)}};
-}
-
-std::string_view family_of(const study_row& row) {
-    constexpr std::array<std::string_view, 3> names{"touches", "photographs", "machines"};
-    return names[static_cast<std::size_t>(row.family)];
+nlohmann::ordered_json point(const std::string& series, double x, const study_row& row, split_rule rule) {
+    return point(series, x, 100 * number(row, rule, "accuracy"), 100 * number(row, rule, "deviation"));
 }
 
 bool has_paper(const std::vector<study_row>& rows) {
-    return std::ranges::any_of(rows, [](const study_row& row) { return row.published != nullptr; });
-}
-
-/// What the pointer shows, with \n in place of line feeds.
-std::string words_of(const study_row& row) {
-    std::string text =
-        fmt::format("{} {}x{}\\n{} recipe", method_title(row), row.rows, row.columns, row.recipe);
-    for (const auto& a : row.accuracies)
-        text += fmt::format("\\n{:.2f} ± {:.2f} % over {} {} splits", 100 * a.test.mean,
-                            100 * a.test.deviation, a.splits, name_of(a.rule));
-    return text + (row.latency ? fmt::format("\\n{:.1f} µs per frame", row.latency->median) : "");
+    return std::ranges::any_of(
+        rows, [](const study_row& row) { return std::isfinite(number(row, "published_accuracy")); });
 }
 
 /// Accuracy against microseconds: each method, the Pareto front and the paper.
@@ -59,54 +40,45 @@ study_picture costs_picture(const std::vector<study_row>& rows) {
     const split_rule rule = shown_rule(rows);
     std::vector<nlohmann::ordered_json> points;
     for (const study_row& row : rows)
-        if (const auto* a = find_accuracy(row, rule); a != nullptr && row.latency)
-            points.push_back(point(std::string(family_of(row)), row.latency->median, 100 * a->test.mean,
-                                   100 * a->test.deviation, words_of(row)));
+        if (const double time = number(row, "microseconds");
+            std::isfinite(time) && std::isfinite(number(row, rule, "accuracy")))
+            points.push_back(point(row.family, time, row, rule));
     for (const published_result& p : published_results)
         if (p.seconds > 0 && has_paper(rows))
-            points.push_back(point("paper", 1e6 * p.seconds, p.accuracy, p.deviation,
-                                   fmt::format("the paper: {}\\n{:.2f} ± {:.2f} %\\n{:.0f} ms an image",
-                                               p.title, p.accuracy, p.deviation, 1e3 * p.seconds)));
+            points.push_back(point("paper", 1e6 * p.seconds, p.accuracy, p.deviation));
     const auto front = pareto_front(rows, rule);
     double errors = -1; // of the last that has its name, from the top: each well below the one before
     for (auto row = front.rbegin(); row != front.rend(); ++row) {
-        const double accuracy = 100 * find_accuracy(**row, rule)->test.mean;
-        const auto add = [&](const char* series) {
-            points.push_back(point(series, (*row)->latency->median, accuracy, 0, title_of(**row)));
-        };
-        add("front");
+        const double accuracy = 100 * number(**row, rule, "accuracy"), time = number(**row, "microseconds");
+        points.push_back(point("front", time, accuracy, 0));
         if (100 - accuracy <= 1.15 * errors)
             continue;
-        add("names");
+        points.push_back(point("names", time, accuracy, 0, title_of(**row)));
         errors = 100 - accuracy;
     }
     return {"accuracy_and_time",
             fmt::format("Test accuracy over {} splits against time per frame on one core; bars are "
                         "standard deviations. The paper's figures are of its own images and machine.",
                         name_of(rule)),
-            points.empty() ? "" : csv_of(points)};
+            csv_of(points)};
 }
 
 /// Accuracy against the number of tactels, of methods that were tried at several sizes.
 study_picture sizes_picture(const std::vector<study_row>& rows) {
     const split_rule rule = shown_rule(rows);
-    std::map<std::string, std::map<std::size_t, nlohmann::ordered_json>> methods; // by tactels
+    std::map<std::string, std::map<double, nlohmann::ordered_json>> methods; // by tactels
     for (const study_row& row : rows)
-        if (const auto* a = find_accuracy(row, rule)) {
-            const std::string name = fmt::format("{} {}", method_title(row), row.recipe);
-            methods[name][row.rows * row.columns] =
-                point(name, static_cast<double>(row.rows * row.columns), 100 * a->test.mean,
-                      100 * a->test.deviation, words_of(row));
+        if (std::isfinite(number(row, rule, "accuracy"))) {
+            const std::string name = fmt::format("{} {}", method_title(row), text(row, "recipe"));
+            const double tactels = number(row, "rows") * number(row, "columns");
+            methods[name][tactels] = point(name, tactels, row, rule);
         }
     std::erase_if(methods, [](const auto& method) { return method.second.size() < 2; });
-    if (methods.empty())
-        return {};
-    if (has_paper(rows))
+    const std::string paper = "TactNet-6 in the paper";
+    if (!methods.empty() && has_paper(rows))
         for (const published_result& p : published_results)
-            if (p.method == "tactnet6")
-                methods["TactNet-6 in the paper"][p.rows * p.columns] =
-                    point("TactNet-6 in the paper", static_cast<double>(p.rows * p.columns), p.accuracy,
-                          p.deviation, "");
+            if (const auto tactels = static_cast<double>(p.rows * p.columns); p.method == "tactnet6")
+                methods[paper][tactels] = point(paper, tactels, p.accuracy, p.deviation);
     study_picture picture{
         "accuracy_and_tactels",
         fmt::format("Test accuracy over {} splits against the number of tactels.", name_of(rule)), ""};
@@ -128,16 +100,12 @@ std::vector<study_picture> study_pictures(const std::vector<study_row>& rows) {
     return pictures;
 }
 
-std::vector<std::pair<std::string, std::string>>
-draw_study_pictures(const std::vector<study_picture>& pictures, const std::filesystem::path& folder) {
-    std::vector<std::pair<std::string, std::string>> drawn;
-    for (const study_picture& picture : pictures) {
-        const std::string script = picture.name + ".gnuplot";
-        draw_picture(script, folder / picture.name, picture.csv, {.names = picture.series});
-        drawn.emplace_back(
-            picture.caption,
-            draw(script, folder / (picture.name + ".csv"), "svg", {.names = picture.series}).picture);
-    }
+std::vector<page_picture> draw_study_pictures(const std::vector<study_row>& rows,
+                                              const std::filesystem::path& folder) {
+    std::vector<page_picture> drawn;
+    for (const study_picture& p : study_pictures(rows))
+        if (draw_picture(p.name + ".gnuplot", folder / p.name, p.csv, {.names = p.series}))
+            drawn.push_back({p.name + ".png", p.caption});
     return drawn;
 }
 

@@ -1,15 +1,13 @@
 #pragma once
 
-// The pictures of a study: each as CSV and PNG next to the page, and as SVG in it, where the pointer shows
-// what a point is.
+// The pictures of a study, each as CSV and PNG next to the page.
 
 #include "files/output_files.hpp"
-#include "study/rows.hpp"
+#include "study/page.hpp"
 
 #include <filesystem>
 #include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 struct study_picture {
@@ -22,9 +20,9 @@ struct study_picture {
 /// Those that the rows have something for.
 std::vector<study_picture> study_pictures(const std::vector<study_row>& rows);
 
-/// Draws them in a folder as PNG. Returns captions, and SVG where it could be drawn.
-std::vector<std::pair<std::string, std::string>>
-draw_study_pictures(const std::vector<study_picture>& pictures, const std::filesystem::path& folder);
+/// Draws them in a folder. Returns those that could be drawn.
+std::vector<page_picture> draw_study_pictures(const std::vector<study_row>& rows,
+                                              const std::filesystem::path& folder);
 
 /// Checks the inputs of trainings and all that they leave in a folder of results: `files`, `pictures` by
 /// their stems, those of a study and what every evaluation has. See check_outputs.

@@ -2,18 +2,25 @@
 
 #include "methods/training_settings.hpp"
 #include "reports/report.hpp"
+#include "study/published.hpp"
 
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors/json_checksum.hpp>
+#include <tactnet/io/write_file.hpp>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace {
+
+using tactnet::split_rule;
+
+std::string member(split_rule rule, std::string_view name) {
+    return fmt::format("{}_{}", name_of(rule), name);
+}
 
 std::optional<calibration> together(std::span<const calibration> splits) {
     if (splits.empty())
@@ -27,153 +34,156 @@ std::optional<calibration> together(std::span<const calibration> splits) {
     return all;
 }
 
-split_accuracies accuracies_of(const candidate& c, tactnet::split_rule rule, const std::vector<task>& tasks,
-                               const result_list& results, std::size_t wanted, study_row& row) {
-    std::vector<double> test, validation, training, reflected;
-    std::vector<calibration> calibrations;
-    const auto keep = [](std::vector<double>& list, double value) {
-        if (std::isfinite(value))
-            list.push_back(value);
-    };
+/// The results of a candidate on splits by a rule.
+std::vector<const training_result*> results_of(const candidate& c, split_rule rule, std::size_t bits,
+                                               const std::vector<task>& tasks, const result_list& results) {
+    std::vector<const training_result*> found;
+    const std::size_t classes = c.data->images.classes.size();
     for (const task& t : tasks) {
         if (t.of != &c || t.rule != rule)
             continue;
-        const training_result* r = results.find(row.bits == 8 ? t.settings : in_single_precision(t.settings));
+        const training_result* r = results.find(bits == 8 ? t.settings : in_single_precision(t.settings));
         if (r == nullptr)
             continue;
-        if (r->confusion.classes() != row.classes.size())
-            throw tactnet::file_error("evaluation.jsonl", title_of(row),
-                                      fmt::format("results of {} classes", row.classes.size()),
+        if (r->confusion.classes() != classes)
+            throw tactnet::file_error("evaluation.jsonl", c.what->name,
+                                      fmt::format("results of {} classes", classes),
                                       fmt::to_string(r->confusion.classes()));
-        keep(test, r->confusion.accuracy());
-        keep(validation, r->validation_accuracy);
-        keep(training, r->training_accuracy);
-        keep(reflected, r->reflected_accuracy);
-        row.seconds = row.seconds > 0 ? std::min(row.seconds, r->seconds) : r->seconds;
-        if (row.accuracies.empty()) { // of the first rule that has any
-            row.confusion.add(r->confusion);
-            if (r->calibration)
-                calibrations.push_back(*r->calibration);
-            add_means(row.decisions, r->decisions);
-        }
+        found.push_back(r);
     }
-    if (row.accuracies.empty())
-        row.probabilities = together(calibrations);
-    const auto mean_of = [](const std::vector<double>& values) {
-        return values.empty() ? std::nan("") : tactnet::mean_and_deviation::of(values).mean;
-    };
-    return {rule,
-            test.size(),
-            wanted,
-            tactnet::mean_and_deviation::of(test),
-            mean_of(validation),
-            mean_of(training),
-            tactnet::mean_and_deviation::of(reflected),
-            reflected.size()};
+    return found;
 }
 
-nlohmann::ordered_json json_of(const study_row& row) {
-    nlohmann::ordered_json object{{"method", row.method},
-                                  {"rows", row.rows},
-                                  {"columns", row.columns},
-                                  {"recipe", row.recipe},
-                                  {"bits", row.bits}};
-    const auto put = [&](const std::string& name, bool known, auto value) {
-        object[name] = known ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-    };
-    for (const tactnet::split_rule rule : {tactnet::split_rule::random, tactnet::split_rule::blocked}) {
-        const split_accuracies* const found = find_accuracy(row, rule);
-        const split_accuracies a = found != nullptr ? *found : split_accuracies{rule, 0, 0, {}, 0, 0};
-        const bool known = found != nullptr, reflected = a.reflected_splits > 0;
-        const std::string of = fmt::format("{}_", name_of(rule));
-        put(of + "splits", known, a.splits);
-        put(of + "splits_wanted", known, a.wanted);
-        put(of + "accuracy", known, a.test.mean);
-        put(of + "deviation", known, a.test.deviation);
-        put(of + "validation_accuracy", known, a.validation);
-        put(of + "training_accuracy", known, a.training);
-        put(of + "reflected_splits", known, a.reflected_splits);
-        put(of + "reflected_accuracy", reflected, a.reflected.mean);
-        put(of + "reflected_deviation", reflected, a.reflected.deviation);
+/// Mean and deviation of the splits that have such a value, and how many these are.
+template <class Value>
+std::pair<tactnet::mean_and_deviation, std::size_t> mean_over(const std::vector<const training_result*>& all,
+                                                              const Value& value) {
+    std::vector<double> known;
+    for (const training_result* r : all)
+        if (const double found = value(*r); std::isfinite(found))
+            known.push_back(found);
+    return {known.empty() ? tactnet::mean_and_deviation{std::nan(""), std::nan("")}
+                          : tactnet::mean_and_deviation::of(known),
+            known.size()};
+}
+
+void put_accuracies(study_row& row, split_rule rule, const std::vector<const training_result*>& all,
+                    std::size_t wanted) {
+    const auto put = [&](const char* name, auto value) { row.values[member(rule, name)] = value; };
+    const auto [test, splits] = mean_over(all, [](const auto& r) { return r.confusion.accuracy(); });
+    const auto [reflected, reflected_splits] =
+        mean_over(all, [](const auto& r) { return r.reflected_accuracy; });
+    put("splits", splits);
+    put("splits_wanted", wanted);
+    put("accuracy", test.mean);
+    put("deviation", test.deviation);
+    put("validation_accuracy",
+        mean_over(all, [](const auto& r) { return r.validation_accuracy; }).first.mean);
+    put("training_accuracy", mean_over(all, [](const auto& r) { return r.training_accuracy; }).first.mean);
+    put("reflected_splits", reflected_splits);
+    put("reflected_accuracy", reflected.mean);
+    put("reflected_deviation", reflected.deviation);
+}
+
+/// What the trainings on the first kind of splits that has any have in common.
+void put_together(study_row& row, const std::vector<const training_result*>& all) {
+    std::vector<calibration> calibrations;
+    decision_means decisions;
+    row.confusion = tactnet::confusion_matrix(row.classes.size());
+    for (const training_result* r : all) {
+        row.confusion.add(r->confusion);
+        if (r->calibration)
+            calibrations.push_back(*r->calibration);
+        add_means(decisions, r->decisions);
     }
-    const bool timed = row.latency.has_value(), costs = row.costs.parameters > 0;
-    const frame_latency latency = row.latency.value_or(frame_latency{});
-    put("microseconds", timed, latency.median);
-    put("microseconds_p99", timed, latency.p99);
-    put("microseconds_in_batch", timed, latency.in_batch);
-    put("jitter", timed, latency.jitter);
-    put("training_seconds", !row.accuracies.empty(), row.seconds);
-    put("parameters", costs, row.costs.parameters);
-    put("multiply_adds", costs, row.costs.multiply_adds);
-    put("multiply_adds_on_pixels", costs, row.costs.multiply_adds_on_pixels);
-    put("bytes", costs, row.costs.parameter_bytes);
-    put("activation_bytes", row.costs.activation_bytes > 0, row.costs.activation_bytes);
-    const published_result paper = row.published != nullptr ? *row.published : published_result{};
-    put("published_accuracy", row.published != nullptr, paper.accuracy / 100);
-    put("published_deviation", row.published != nullptr, paper.deviation / 100);
-    put("published_microseconds", paper.seconds > 0, 1e6 * paper.seconds);
-    const bool calibrated = row.probabilities.has_value();
-    const calibration probabilities = row.probabilities.value_or(calibration{});
-    put("temperature", calibrated, probabilities.scaling.temperature);
-    put("softmax_calibration_error", calibrated, probabilities.before.calibration_error());
-    put("softmax_brier_score", calibrated, probabilities.before.brier_score());
-    put("calibration_error", calibrated, probabilities.after.calibration_error());
-    put("brier_score", calibrated, probabilities.after.brier_score());
-    for (const decision_column& column : decision_columns) {
-        const auto found = row.decisions.find(std::string(column.name));
-        const bool measured = found != row.decisions.end();
-        put(std::string(column.name), measured, measured ? found->second.value() : 0);
-    }
-    object["declaration"] = row.declaration;
-    object["missing"] = row.missing;
-    return object;
+    if (const auto found = together(calibrations))
+        put_calibration(row, *found);
+    put_decisions(row, decisions);
 }
 
 study_row row_of(const candidate& c, std::size_t bits, const split_plan& plan, const std::vector<task>& tasks,
                  const result_list& results) {
     const method& what = *c.what;
-    study_row row{.method = what.name,
-                  .rows = what.rows,
-                  .columns = what.columns,
-                  .recipe = std::string(recipe_for(what, c.training).name),
-                  .bits = bits};
+    study_row row =
+        make_row(what.name, what.rows, what.columns, std::string(recipe_for(what, c.training).name), bits);
+    nlohmann::ordered_json& values = row.values;
     row.classes = c.data->images.classes;
-    row.confusion = tactnet::confusion_matrix(row.classes.size());
-    for (const tactnet::split_rule rule : plan.rules)
-        if (split_accuracies found = accuracies_of(c, rule, tasks, results, plan.splits, row);
-            found.splits > 0)
-            row.accuracies.push_back(std::move(found));
-    row.costs = what.costs(row.classes.size());
-    if (bits == 8) {
-        row.costs.parameter_bytes = what.eight_bit_bytes(row.classes.size());
-        row.costs.activation_bytes = 0; // unknown
+    for (const split_rule rule : plan.rules) {
+        const auto found = results_of(c, rule, bits, tasks, results);
+        if (found.empty())
+            continue;
+        if (row.confusion.classes() == 0)
+            put_together(row, found);
+        put_accuracies(row, rule, found, plan.splits);
+        for (const training_result* r : found) // of the quickest, since others may have shared the machine
+            values["training_seconds"] = std::fmin(number(row, "training_seconds"), r->seconds);
     }
-    row.family = !what.is_network()  ? method_family::machines
-                 : what.pretrained() ? method_family::photographs
-                                     : method_family::touches;
-    row.declaration = what.declaration();
+    const method_costs costs = what.costs(row.classes.size());
+    values["parameters"] = costs.parameters;
+    values["multiply_adds"] = costs.multiply_adds;
+    values["multiply_adds_on_pixels"] = costs.multiply_adds_on_pixels;
+    values["bytes"] = bits == 8 ? what.eight_bit_bytes(row.classes.size()) : costs.parameter_bytes;
+    if (bits == 32)
+        values["activation_bytes"] = costs.activation_bytes;
+    row.family = !what.is_network() ? "machines" : what.pretrained() ? "photographs" : "touches";
+    const std::string declaration = what.declaration();
+    values["declaration"] = declaration;
+    const published_result* const paper = find_published(what.name, what.rows, what.columns);
     // For the network as it was published, not for a user's of that name.
-    if (bits == 32 && (row.declaration.empty() || row.declaration.starts_with("tactnet::")))
-        row.published = find_published(row.method, row.rows, row.columns);
-    if (row.accuracies.empty())
-        row.missing = "not trained yet";
+    if (paper != nullptr && bits == 32 && (declaration.empty() || declaration.starts_with("tactnet::"))) {
+        values["published_accuracy"] = paper->accuracy / 100;
+        values["published_deviation"] = paper->deviation / 100;
+        if (paper->seconds > 0)
+            values["published_microseconds"] = 1e6 * paper->seconds;
+    }
     return row;
 }
 
 } // namespace
 
-const split_accuracies* find_accuracy(const study_row& row, tactnet::split_rule rule) {
-    const auto found = std::ranges::find(row.accuracies, rule, &split_accuracies::rule);
-    return found == row.accuracies.end() ? nullptr : &*found;
+study_row make_row(const std::string& method, std::size_t rows, std::size_t columns,
+                   const std::string& recipe, std::size_t bits) {
+    study_row row{{{"method", method}, {"rows", rows}, {"columns", columns}, {"recipe", recipe}, {"bits", bits}},
+                  {}};
+    const auto add = [&](std::string_view name) { row.values[std::string(name)] = nullptr; };
+    for (const split_rule rule : {split_rule::random, split_rule::blocked})
+        for (const char* name :
+             {"splits", "splits_wanted", "accuracy", "deviation", "validation_accuracy", "training_accuracy",
+              "reflected_splits", "reflected_accuracy", "reflected_deviation"})
+            add(member(rule, name));
+    for (const char* name :
+         {"microseconds", "microseconds_p99", "microseconds_in_batch", "jitter", "training_seconds",
+          "parameters", "multiply_adds", "multiply_adds_on_pixels", "bytes", "activation_bytes",
+          "published_accuracy", "published_deviation", "published_microseconds", "temperature",
+          "softmax_calibration_error", "softmax_brier_score", "calibration_error", "brier_score"})
+        add(name);
+    for (const decision_column& column : decision_columns)
+        add(column.name);
+    row.values["declaration"] = "";
+    return row;
+}
+
+std::string text(const study_row& row, std::string_view name) {
+    return row.values.at(std::string(name)).get<std::string>();
+}
+
+double number(const study_row& row, std::string_view name) {
+    const auto& value = row.values.at(std::string(name));
+    return value.is_null() ? std::nan("") : value.get<double>();
+}
+
+double number(const study_row& row, split_rule rule, std::string_view name) {
+    return number(row, member(rule, name));
 }
 
 std::string method_title(const study_row& row) {
-    return row.method + (row.bits == 8 ? " in 8 bits" : "");
+    return text(row, "method") + (number(row, "bits") == 8 ? " in 8 bits" : "");
 }
 
 std::string title_of(const study_row& row) {
-    return fmt::format("{} {}x{}{}", method_title(row), row.rows, row.columns,
-                       row.recipe == "default" ? "" : ", " + row.recipe);
+    const std::string recipe = text(row, "recipe");
+    return fmt::format("{} {}x{}{}", method_title(row), number(row, "rows"), number(row, "columns"),
+                       recipe == "default" ? "" : ", " + recipe);
 }
 
 std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
@@ -182,63 +192,77 @@ std::vector<study_row> rows_of(const candidate_list& candidates, const split_pla
     std::vector<study_row> rows;
     for (const candidate& c : candidates)
         for (const std::size_t bits : bits_of(c)) {
-            rows.push_back(row_of(c, bits, plan, tasks, results));
-            rows.back().latency = time(*c.what, bits);
+            nlohmann::ordered_json& values = rows.emplace_back(row_of(c, bits, plan, tasks, results)).values;
+            if (const auto found = time(*c.what, bits)) {
+                values["microseconds"] = found->median;
+                values["microseconds_p99"] = found->p99;
+                values["microseconds_in_batch"] = found->in_batch;
+                values["jitter"] = found->jitter;
+            }
         }
     return rows;
 }
 
-tactnet::split_rule shown_rule(const std::vector<study_row>& rows) {
-    return std::ranges::any_of(rows,
-                               [](const study_row& row) {
-                                   return find_accuracy(row, tactnet::split_rule::random) != nullptr;
-                               })
-               ? tactnet::split_rule::random
-               : tactnet::split_rule::blocked;
+void put_calibration(study_row& row, const calibration& of) {
+    row.values["temperature"] = of.scaling.temperature;
+    row.values["softmax_calibration_error"] = of.before.calibration_error();
+    row.values["softmax_brier_score"] = of.before.brier_score();
+    row.values["calibration_error"] = of.after.calibration_error();
+    row.values["brier_score"] = of.after.brier_score();
+    row.probabilities = of;
 }
 
-std::vector<const study_row*> pareto_front(const std::vector<study_row>& rows, tactnet::split_rule rule) {
+void put_decisions(study_row& row, const decision_means& means) {
+    for (const auto& [name, mean] : means)
+        row.values[name] = mean.value();
+}
+
+split_rule shown_rule(const std::vector<study_row>& rows) {
+    return std::ranges::any_of(rows,
+                               [](const study_row& row) {
+                                   return std::isfinite(number(row, split_rule::random, "accuracy"));
+                               })
+               ? split_rule::random
+               : split_rule::blocked;
+}
+
+std::vector<const study_row*> pareto_front(const std::vector<study_row>& rows, split_rule rule) {
     std::vector<const study_row*> known, front;
     for (const study_row& row : rows)
-        if (const auto* a = find_accuracy(row, rule); row.latency && a != nullptr && a->splits == a->wanted)
+        if (std::isfinite(number(row, "microseconds")) &&
+            number(row, rule, "splits") == number(row, rule, "splits_wanted")) // not of NaN
             known.push_back(&row);
-    std::ranges::stable_sort(known, [&](const study_row* a, const study_row* b) {
-        return a->latency->median != b->latency->median
-                   ? a->latency->median < b->latency->median
-                   : find_accuracy(*a, rule)->test.mean > find_accuracy(*b, rule)->test.mean;
+    std::ranges::stable_sort(known, {}, [&](const study_row* row) {
+        return std::pair(number(*row, "microseconds"), -number(*row, rule, "accuracy"));
     });
     double best = -1;
     for (const study_row* row : known)
-        if (const double accuracy = find_accuracy(*row, rule)->test.mean; accuracy > best) {
+        if (const double accuracy = number(*row, rule, "accuracy"); accuracy > best) {
             best = accuracy;
             front.push_back(row);
         }
     return front;
 }
 
-const study_row* most_accurate(const std::vector<study_row>& rows, tactnet::split_rule rule) {
+const study_row* most_accurate(const std::vector<study_row>& rows, split_rule rule) {
     const study_row* best = nullptr;
     for (const study_row& row : rows)
-        if (const auto* a = find_accuracy(row, rule))
-            if (best == nullptr || a->test.mean > find_accuracy(*best, rule)->test.mean)
-                best = &row;
+        if (const double accuracy = number(row, rule, "accuracy");
+            std::isfinite(accuracy) && (best == nullptr || accuracy > number(*best, rule, "accuracy")))
+            best = &row;
     return best;
 }
 
-std::string study_json_lines(const std::vector<study_row>& rows) {
+void write_rows(const std::vector<study_row>& rows, const std::filesystem::path& folder,
+                const std::string& name) {
     std::string lines;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        nlohmann::ordered_json object = json_of(rows[i]);
-        object["line"] = i + 1; // a file that lost some would otherwise be as good as a whole one
-        object["lines"] = rows.size();
-        lines += tactnet::with_checksum(object.dump()) + '\n';
+    std::vector<nlohmann::ordered_json> all;
+    for (const study_row& row : rows) {
+        nlohmann::ordered_json line = all.emplace_back(row.values);
+        line["line"] = all.size(); // a file that lost some would otherwise be as good as a whole one
+        line["lines"] = rows.size();
+        lines += tactnet::with_checksum(line.dump()) + '\n';
     }
-    return lines;
-}
-
-std::string study_csv(const std::vector<study_row>& rows) {
-    std::vector<nlohmann::ordered_json> objects;
-    for (const study_row& row : rows)
-        objects.push_back(json_of(row));
-    return csv_of(objects);
+    tactnet::write_file(folder / (name + ".jsonl"), lines);
+    tactnet::write_file(folder / (name + ".csv"), csv_of(all));
 }

@@ -4,49 +4,37 @@
 // costs.
 
 #include "evaluation/trainings.hpp"
-#include "study/published.hpp"
 #include "study/timings.hpp"
+
+#include <nlohmann/json.hpp>
 
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-enum class method_family { touches, photographs, machines };
-
-struct split_accuracies {
-    tactnet::split_rule rule;
-    std::size_t splits, wanted; ///< that were trained and tested, of how many
-    tactnet::mean_and_deviation test;
-    double validation, training; ///< means; NaN where nothing is known
-    /// On test images, averaged over their reflections, of as many splits.
-    tactnet::mean_and_deviation reflected{};
-    std::size_t reflected_splits = 0;
-};
-
 struct study_row {
-    std::string method;
-    std::size_t rows, columns;
-    std::string recipe;
-    std::size_t bits = 32; ///< of a weight
-    method_family family = method_family::touches;
-    std::string missing{}; ///< why it was not run; else empty
-    method_costs costs{};
-    std::vector<split_accuracies> accuracies{}; ///< by the rules that were run
-    double seconds = 0; ///< of the quickest training, since others may have shared the machine
-    std::optional<frame_latency> latency{};
-    /// The same in the paper, where it has it.
-    const published_result* published = nullptr;
-    std::string declaration{}; ///< its type in C++, of a network that is one
+    /// What programs get: a line of JSON or of a CSV file, the same members in each row, null for what is not
+    /// known. Tables and pictures show the same.
+    nlohmann::ordered_json values;
+    std::string family; ///< in pictures: "touches", "photographs" or "machines"
     std::vector<std::string> classes{};
     tactnet::confusion_matrix confusion{}; ///< of all random splits, or of the others where there are none
     /// Calibration over these splits at the mean temperature; empty for methods without probabilities.
     std::optional<calibration> probabilities{};
-    decision_means decisions{}; ///< means over these splits
 };
 
-/// The accuracy by a rule, or nothing.
-const split_accuracies* find_accuracy(const study_row& row, tactnet::split_rule rule);
+/// A row of which nothing else is known.
+study_row make_row(const std::string& method, std::size_t rows, std::size_t columns,
+                   const std::string& recipe, std::size_t bits);
+
+/// A member that is text.
+std::string text(const study_row& row, std::string_view name);
+/// A member that is a number; NaN for null.
+double number(const study_row& row, std::string_view name);
+/// The same of what stands in the members of a rule as "random_accuracy".
+double number(const study_row& row, tactnet::split_rule rule, std::string_view name);
 
 /// "tactnet6", or "tactnet6 in 8 bits".
 std::string method_title(const study_row& row);
@@ -62,6 +50,10 @@ std::vector<study_row> rows_of(const candidate_list& candidates, const split_pla
                                const std::vector<task>& tasks, const result_list& results,
                                const time_of_method& time);
 
+/// What stands in the members of a calibration and of decisions.
+void put_calibration(study_row& row, const calibration& of);
+void put_decisions(study_row& row, const decision_means& means);
+
 /// What pictures show: random splits if there are any, else blocked ones.
 tactnet::split_rule shown_rule(const std::vector<study_row>& rows);
 
@@ -72,6 +64,6 @@ std::vector<const study_row*> pareto_front(const std::vector<study_row>& rows, t
 /// The row that is most accurate on splits by the rule, or nothing.
 const study_row* most_accurate(const std::vector<study_row>& rows, tactnet::split_rule rule);
 
-/// With a checksum each, and its place among all lines.
-std::string study_json_lines(const std::vector<study_row>& rows);
-std::string study_csv(const std::vector<study_row>& rows);
+/// FOLDER/NAME.jsonl, with a checksum in each line and its place among all, and the same as FOLDER/NAME.csv.
+void write_rows(const std::vector<study_row>& rows, const std::filesystem::path& folder,
+                const std::string& name);

@@ -33,10 +33,6 @@ std::vector<std::uint8_t> mirrored(std::span<const std::uint8_t> image, tactnet:
     return result;
 }
 
-bool same_images(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b) {
-    return a.data() == b.data() && a.size() == b.size();
-}
-
 } // namespace
 
 method_costs feature_finder::costs() const {
@@ -59,14 +55,15 @@ tactnet::file_metadata feature_finder::describe() const {
             {"input_scale", "1"}}; // the features include how counts are scaled
 }
 
-void feature_finder::find(const loaded_trunk& network, std::span<const std::uint8_t> images,
-                          std::span<const std::size_t> chosen, tactnet::thread_pool& threads,
-                          std::span<float> to) const {
+std::vector<float> feature_finder::find(const loaded_trunk& network, std::span<const std::uint8_t> images,
+                                        std::span<const std::size_t> chosen, tactnet::thread_pool& threads,
+                                        const std::function<bool(std::size_t)>& proceed) const {
     const std::size_t pixels = trunk->photograph.size(), values = trunk->map.size(),
                       channels = trunk->map.channels;
     const std::size_t most = std::min(together, chosen.size());
-    std::vector<float> photographs(most * pixels), maps(most * values), pooled(channels);
-    for (std::size_t first = 0; first < chosen.size(); first += most) {
+    std::vector<float> rows(chosen.size() * size()), photographs(most * pixels), maps(most * values),
+        pooled(channels);
+    for (std::size_t first = 0; first < chosen.size() && proceed(first); first += most) {
         const auto some = chosen.subspan(first, std::min(most, chosen.size() - first));
         for (std::size_t view = 0; view < form.views(); ++view) {
             threads.for_each(some.size(), [&](std::size_t i) {
@@ -82,7 +79,7 @@ void feature_finder::find(const loaded_trunk& network, std::span<const std::uint
                                                      trunk->network.title));
             for (std::size_t i = 0; i < some.size(); ++i) {
                 const auto map = std::span<const float>(maps).subspan(i * values, values);
-                const auto row = to.subspan((first + i) * size(), size());
+                const auto row = std::span(rows).subspan((first + i) * size(), size());
                 if (form.pooling == trunk_pooling::none) {
                     std::ranges::copy(map, row.begin());
                     continue;
@@ -97,18 +94,14 @@ void feature_finder::find(const loaded_trunk& network, std::span<const std::uint
             }
         }
     }
+    return rows;
 }
 
 frame_work feature_finder::work(std::function<void(std::span<const float>)> use) const {
-    return [finder = *this, network = trunk->seeded(), use = std::move(use),
-            images = std::vector<std::uint8_t>(), found = std::vector<float>()](std::size_t frames) mutable {
-        if (images.size() != frames * finder.image.area()) {
-            images = made_up_frames(frames * finder.image.area());
-            found.resize(frames * finder.size());
-        }
+    return [finder = *this, network = trunk->seeded(), use = std::move(use)](std::size_t frames) {
         tactnet::thread_pool alone;
-        finder.find(network, images, tactnet::all_samples(frames), alone, found);
-        use(found);
+        use(finder.find(network, made_up_frames(frames * finder.image.area()), tactnet::all_samples(frames),
+                        alone));
     };
 }
 
@@ -146,32 +139,37 @@ const loaded_trunk& trunk_features::network() const {
 std::vector<float> trunk_features::rows(std::span<const std::uint8_t> images,
                                         std::span<const std::size_t> chosen,
                                         tactnet::thread_pool& threads) const {
+    if (!kept_ || images.data() != kept_images_.data() || images.size() != kept_images_.size())
+        return finder_.find(network(), images, chosen, threads);
     const std::size_t size = finder_.size();
-    std::vector<float> result(chosen.size() * size);
-    if (kept_ && same_images(images, kept_images_)) {
-        threads.for_each(chosen.size(), [&](std::size_t i) {
-            kept_->read(chosen[i], std::span(result).subspan(i * size, size));
-        });
-        return result;
+    std::vector<float> result;
+    result.reserve(chosen.size() * size);
+    for (const std::size_t image : chosen) {
+        const auto row = std::span(*kept_).subspan(image * size, size);
+        result.insert(result.end(), row.begin(), row.end());
     }
-    finder_.find(network(), images, chosen, threads, result);
     return result;
 }
 
-std::shared_ptr<const std::vector<float>> trunk_features::all_rows(std::span<const std::uint8_t> images,
-                                                                   tactnet::thread_pool& threads) const {
-    const std::lock_guard lock(shared_mutex_); // the second waits, and has them too
-    auto shared = shared_.lock();
-    if (shared && same_images(images, shared_images_))
-        return shared;
-    const auto all = tactnet::all_samples(images.size() / finder_.image.area());
-    shared = std::make_shared<const std::vector<float>>(rows(images, all, threads));
-    shared_ = shared;
-    shared_images_ = images;
-    return shared;
+std::vector<float> trunk_features::read_kept(const std::filesystem::path& path,
+                                             const tactnet::file_metadata& settings,
+                                             std::size_t images) const {
+    std::error_code code;
+    if (!std::filesystem::exists(path, code))
+        return {};
+    try {
+        const auto file = tactnet::safetensors::read(path);
+        require_metadata(file, settings);
+        file.require_extents("features", std::vector{images, finder_.size()});
+        if (file.checksum() == tactnet::checksum_state::verified)
+            return file.values<float>("features");
+    } catch (const tactnet::file_error&) { // reported below
+    }
+    tell("{}: features of something else, or damaged; all are found anew\n", printable(path.string()));
+    return {};
 }
 
-bool trunk_features::prepare(const image_data& data, const feature_place& place,
+bool trunk_features::prepare(const image_data& data, const std::filesystem::path& folder,
                              tactnet::thread_pool& threads) {
     tactnet::file_metadata settings = finder_.describe();
     settings["rows"] = fmt::to_string(finder_.image.rows);
@@ -179,53 +177,48 @@ bool trunk_features::prepare(const image_data& data, const feature_place& place,
     settings["data"] = data.fingerprint;
     settings["pretrained"] = pretrained_fingerprint(file_->file());
     settings.merge(describe_program());
-    std::filesystem::path path = place.path;
-    if (place.is_folder)
-        path /= fmt::format("{}_{}x{}_{}.features", finder_.trunk->network.name, finder_.image.rows,
-                            finder_.image.columns, fingerprint_of(settings));
-    make_folder_of(path);
+    const std::filesystem::path path =
+        folder / fmt::format("{}_{}x{}_{}.features", finder_.trunk->network.name, finder_.image.rows,
+                             finder_.image.columns, fingerprint_of(settings));
+    const std::size_t count = data.images.size();
+    std::vector<float> found;
     claims alone;
-    if (!wait_until([&] { return alone.take(path); },
-                    "waiting for the features that another program finds, " + printable(path.string())))
-        return false;
-    kept_.emplace(path, settings, data.images.size(), finder_.size(), place.is_folder);
-    if (kept_->look() == row_store::found::others)
-        tell("{}: features of something else, or damaged; all are found anew\n", printable(path.string()));
-    else if (kept_->damaged() > 0)
-        tell("{}: features of {} of {} images are damaged, and found anew\n", printable(path.string()),
-             kept_->damaged(), data.images.size());
-    const bool done = find_missing(data, threads);
+    if (!folder.empty()) {
+        make_folder_of(path);
+        if (!wait_until([&] { return alone.take(path); },
+                        "waiting for the features that another program finds, " + printable(path.string())))
+            return false;
+        found = read_kept(path, settings, count);
+    }
+    if (found.empty()) {
+        progress line;
+        const stopwatch watch;
+        const auto show = [&](std::size_t done) {
+            line.show(fmt::format("{} features of {} of {} images, {}", finder_.trunk->network.title, done,
+                                  count, time_left(watch.seconds(), done, count - done)),
+                      done == count);
+        };
+        found = finder_.find(network(), data.images.pixels, tactnet::all_samples(count), threads,
+                             [&](std::size_t done) {
+                                 if (done > 0)
+                                     show(done);
+                                 return !interrupted();
+                             });
+        line.end_line();
+        if (interrupted())
+            return false;
+        show(count);
+        if (!folder.empty()) {
+            tactnet::safetensors_writer writer;
+            writer.metadata = settings;
+            writer.add("features", {count, finder_.size()}, std::span<const float>(found));
+            writer.write(path);
+        }
+    }
+    kept_ = std::make_shared<const std::vector<float>>(std::move(found));
     kept_images_ = data.images.pixels;
     const std::lock_guard lock(mutex_);
     network_ = nullptr; // which may be large; other images load it again
-    return done;
-}
-
-bool trunk_features::find_missing(const image_data& data, tactnet::thread_pool& threads) {
-    const std::vector<std::size_t>& missing = kept_->missing();
-    const std::size_t all = data.images.size(), size = finder_.size();
-    progress line;
-    const stopwatch watch;
-    std::vector<float> values;
-    for (std::size_t done = 0; done < missing.size();) {
-        if (interrupted()) {
-            line.end_line();
-            return false;
-        }
-        const auto some =
-            std::span(missing).subspan(done, std::min(feature_finder::together, missing.size() - done));
-        values.resize(some.size() * size);
-        finder_.find(network(), data.images.pixels, some, threads, values);
-        for (std::size_t i = 0; i < some.size(); ++i)
-            kept_->write(some[i], std::span(values).subspan(i * size, size));
-        done += some.size();
-        const std::size_t left = missing.size() - done;
-        line.show(fmt::format("{} features of {} of {} images, {}", finder_.trunk->network.title, all - left,
-                              all, time_left(watch.seconds(), done, left)),
-                  left == 0);
-    }
-    if (!missing.empty())
-        kept_->flush();
     return true;
 }
 

@@ -3,7 +3,6 @@
 // Features of images by a trunk.
 
 #include "data/image_data.hpp"
-#include "data/row_store.hpp"
 #include "methods/trunks/compiled.hpp"
 
 #include <tactnet/io/safetensors/writer.hpp>
@@ -16,7 +15,6 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,9 +35,12 @@ struct feature_finder {
     /// How features are computed. A weight file has the same metadata, or it is for others.
     tactnet::file_metadata describe() const;
     /// A row for each of the chosen images, some of which pass together: the same bits in any company and on
-    /// any number of threads. Throws std::runtime_error for features that are not finite.
-    void find(const loaded_trunk& network, std::span<const std::uint8_t> images,
-              std::span<const std::size_t> chosen, tactnet::thread_pool& threads, std::span<float> to) const;
+    /// any number of threads. Before each such group, proceed(images that are done) may stop it. Throws
+    /// std::runtime_error for features that are not finite.
+    std::vector<float> find(
+        const loaded_trunk& network, std::span<const std::uint8_t> images,
+        std::span<const std::size_t> chosen, tactnet::thread_pool& threads,
+        const std::function<bool(std::size_t)>& proceed = [](std::size_t) { return true; }) const;
     /// Frames through the trunk with random weights, and then use(features) for the rows of all frames of a
     /// call.
     frame_work work(std::function<void(std::span<const float>)> use) const;
@@ -62,32 +63,30 @@ public:
     static std::shared_ptr<const trunk_features> stored(const feature_finder& finder,
                                                         const weight_file& file);
 
-    bool prepare(const image_data& data, const feature_place& place, tactnet::thread_pool& threads) override;
+    bool prepare(const image_data& data, const std::filesystem::path& folder,
+                 tactnet::thread_pool& threads) override;
 
     /// A row for each of the chosen images. Throws std::runtime_error for features that are not finite.
     std::vector<float> rows(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
                             tactnet::thread_pool& threads) const;
-    /// The rows of all images: read or found once, and shared for as long as anyone has them.
-    std::shared_ptr<const std::vector<float>> all_rows(std::span<const std::uint8_t> images,
-                                                       tactnet::thread_pool& threads) const;
+    /// The rows of all images that it was prepared for.
+    std::shared_ptr<const std::vector<float>> all_rows() const { return kept_; }
     /// The trunk's arrays, as they are in the file. The writer reads them when it writes.
     void add_to(tactnet::safetensors_writer& writer) const;
 
 private:
     const loaded_trunk& network() const;
-    /// Writes those that are missing; false if interrupted.
-    bool find_missing(const image_data& data, tactnet::thread_pool& threads);
+    /// What an earlier program kept in that file, or nothing.
+    std::vector<float> read_kept(const std::filesystem::path& path, const tactnet::file_metadata& settings,
+                                 std::size_t images) const;
 
     std::shared_ptr<tactnet::safetensors_source> file_;
     std::string prefix_;
     feature_finder finder_;
     mutable std::mutex mutex_; ///< of the file and of what is made of it
     mutable loaded_trunk network_;
-    std::span<const std::uint8_t> kept_images_; ///< whose rows are in the store
-    std::optional<row_store> kept_;
-    mutable std::mutex shared_mutex_;
-    mutable std::weak_ptr<const std::vector<float>> shared_; ///< rows of all images …
-    mutable std::span<const std::uint8_t> shared_images_;    ///< … that are there
+    std::span<const std::uint8_t> kept_images_;
+    std::shared_ptr<const std::vector<float>> kept_; ///< the rows of these images
 };
 
 /// The part of the largest value by which what is found from features may differ on another processor: a

@@ -140,7 +140,7 @@ public:
                                         tactnet::thread_pool& threads,
                                         const std::shared_ptr<pretrained_weights>& from) const override {
         const auto features = std::dynamic_pointer_cast<const trunk_features>(from);
-        const auto rows_of_all = features->all_rows(images.pixels, threads);
+        const auto rows_of_all = features->all_rows();
         return std::make_unique<epoch_training>(
             head().make(), recipe, tactnet::labelled_features{*rows_of_all, images.labels, images.classes},
             std::move(split), seed, threads,
