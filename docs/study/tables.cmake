@@ -18,9 +18,10 @@ if(RESULTS OR ARCHIVE)
         message(FATAL_ERROR "tables.cmake: expected RESULTS, a folder in which tactnet study wrote study.md, and ARCHIVE, "
                             "a file to write, found '${RESULTS}' and '${ARCHIVE}'.")
     endif()
-    foreach(name IN ITEMS study.md study.csv)
-        file(COPY "${RESULTS}/${name}" DESTINATION "${kept}")
-    endforeach()
+    file(COPY "${RESULTS}/study.csv" DESTINATION "${kept}")
+    file(READ "${RESULTS}/study.md" page)
+    string(REGEX REPLACE "\n!\\[[^\n]*\n\n[^\n]*\n" "" page "${page}") # docs/pictures has pictures in the pages' style
+    file(WRITE "${kept}/study.md" "${page}")
     get_filename_component(archive "${ARCHIVE}" ABSOLUTE)
     execute_process(
         COMMAND "${CMAKE_COMMAND}" -E tar cJf "${archive}" --format=gnutar evaluation.jsonl timings.jsonl study.jsonl

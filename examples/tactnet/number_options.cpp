@@ -68,6 +68,10 @@ CLI::Validator positive_number() {
     return check("a number above 0", "above 0", number_of, [](double value) { return value > 0; });
 }
 
+CLI::Validator size() {
+    return check("sizes such as 28x50", "such as 28x50", size_of, [](const auto&) { return true; });
+}
+
 CLI::Validator share() {
     return check("a share from 0 to below 1", "0 to below 1", number_of, is_share);
 }

@@ -34,3 +34,5 @@ inline CLI::Validator seed() {
 CLI::Validator positive_number();
 /// A number from 0 to below 1.
 CLI::Validator share();
+/// Rows and columns.
+CLI::Validator size();

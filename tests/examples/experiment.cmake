@@ -1,5 +1,5 @@
-# The example of your own networks and sizes, as its header says, and its page in a browser.
-#   cmake -Dprogram=FILE -Dfolder=FOLDER [-Dbrowser=FILE] -P experiment.cmake
+# The example of your own networks and sizes, as its header says.
+#   cmake -Dprogram=FILE -Dfolder=FOLDER -P experiment.cmake
 cmake_minimum_required(VERSION 3.22)
 file(REMOVE_RECURSE "${folder}")
 file(MAKE_DIRECTORY "${folder}")
@@ -30,24 +30,4 @@ endforeach()
 run("${program}" recommend --results study --rows 9 --columns 16)
 if(NOT out MATCHES "experiment::small_(pooling|striding)<tactnet::shape{(9, 16|7, 13)}, 22>\n$")
     message(FATAL_ERROR "Expected the type of a network, found: ${out}")
-endif()
-
-file(READ "${folder}/study/study.html" page)
-if(NOT browser OR NOT page MATCHES "<svg")
-    message(STATUS "The page is not looked at: there is no Chromium, or no gnuplot.")
-    return()
-endif()
-# What the page's script shows: the point under the pointer is described.
-string(REPLACE "</body>" "<script>
-document.querySelector('[onmousemove]').dispatchEvent(new MouseEvent('mousemove', {clientX: 9, clientY: 9}));
-document.title = hint.style.display + ': ' + hint.textContent;
-</script></body>" page "${page}")
-file(WRITE "${folder}/study/asked.html" "${page}")
-run("${browser}" --headless --no-sandbox --disable-gpu --enable-logging=stderr --dump-dom "file://${folder}/study/asked.html")
-if(error MATCHES "CONSOLE[^\n]*")
-    message(FATAL_ERROR "Expected a page without complaint, found ${CMAKE_MATCH_0}")
-endif()
-if(NOT out MATCHES "<title>block: [a-z_-]+ [0-9]+x[0-9]+\ndefault recipe\n[0-9.]+ ± [0-9.]+ % over 1 random splits\n")
-    string(REGEX MATCH "<title>[^<]*" found "${out}")
-    message(FATAL_ERROR "Expected what a point is, found ${found}")
 endif()

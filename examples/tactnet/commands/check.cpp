@@ -1,28 +1,15 @@
 // tactnet check: a folder of images as the program reads it, and what is wrong with it.
 
 #include "commands/commands.hpp"
-#include "console.hpp"
 #include "data/input_file.hpp"
 #include "methods/training_settings.hpp"
-#include "reports/report.hpp"
 
-#include <tactnet/io/file_error.hpp>
 #include <tactnet/io/images/folder.hpp>
 #include <tactnet/io/images/set.hpp>
 
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <decode_image.hpp>
-#include <filesystem>
 #include <map>
-#include <memory>
 #include <set>
-#include <string>
-#include <system_error>
-#include <utility>
-#include <vector>
 
 namespace {
 
@@ -35,12 +22,10 @@ constexpr const char* paper_images = "the paper's 1 100 images of 22 classes, 28
 struct checked_image {
     std::string name; ///< below the folder, printable
     std::size_t label;
+    std::string size = "unreadable";
     std::string unreadable{}; ///< why it cannot be read; then nothing of what follows is known
     tactnet::grey_image image{};
 
-    std::string size() const {
-        return unreadable.empty() ? fmt::format("{}x{}", image.rows, image.columns) : "unreadable";
-    }
     /// Tactels of that count or more.
     std::size_t count(std::uint8_t least) const {
         return static_cast<std::size_t>(
@@ -50,9 +35,6 @@ struct checked_image {
         return std::ranges::all_of(image.pixels, [&](auto pixel) { return pixel == image.pixels.front(); });
     }
 };
-
-/// A pair of images with the same pixels: the first of all such, and another one.
-using image_copy = std::pair<const checked_image*, const checked_image*>;
 
 std::string name_in(const std::filesystem::path& folder, const std::filesystem::path& path) {
     return printable(path.lexically_relative(folder).string());
@@ -66,6 +48,7 @@ std::vector<checked_image> read_images(const tactnet::image_folder& list,
         try {
             check_no_device(file.path);
             found.image = decode_image(file.path);
+            found.size = fmt::format("{}x{}", found.image.rows, found.image.columns);
         } catch (const tactnet::file_error& error) {
             found.unreadable = "expected " + error.expected() + ", found " + error.found();
         }
@@ -73,15 +56,13 @@ std::vector<checked_image> read_images(const tactnet::image_folder& list,
     return images;
 }
 
-std::vector<image_copy> copies_among(const std::vector<checked_image>& images) {
-    std::map<std::pair<std::string, std::vector<std::uint8_t>>, const checked_image*> first;
-    std::vector<image_copy> copies;
+/// The size of most images.
+std::string usual_size(const std::vector<checked_image>& images) {
+    std::map<std::string, std::size_t> sizes{{"", 0}};
     for (const checked_image& found : images)
-        if (found.unreadable.empty() && !found.one_value())
-            if (const auto [same, is_new] = first.try_emplace({found.size(), found.image.pixels}, &found);
-                !is_new)
-                copies.emplace_back(same->second, &found);
-    return copies;
+        if (found.unreadable.empty())
+            ++sizes[found.size];
+    return std::ranges::max_element(sizes, {}, [](const auto& size) { return size.second; })->first;
 }
 
 /// Depends on the pixels of all images and on which are of one class, not on names or order.
@@ -103,62 +84,28 @@ std::uint64_t fingerprint_of_images(const std::vector<checked_image>& images, st
     return all;
 }
 
-std::string table_of(const std::vector<checked_image>& images, const std::vector<image_copy>& copies,
-                     const std::vector<std::string>& classes) {
-    std::vector<std::vector<std::string>> cells{{"class", "images", "size", "copies", "with 255"}};
-    const auto add = [&](const std::string& name, auto counts) {
-        std::size_t count = 0, full = 0;
-        std::vector<std::string> sizes;
-        for (const checked_image& found : images)
-            if (counts(found)) {
-                ++count;
-                full += found.count(255) > 0;
-                if (std::ranges::find(sizes, found.size()) == sizes.end())
-                    sizes.push_back(found.size());
-            }
-        const auto copied = static_cast<std::size_t>(
-            std::ranges::count_if(copies, [&](const image_copy& copy) { return counts(*copy.second); }));
-        cells.push_back({name, grouped(count), fmt::format("{}", fmt::join(sizes, ", ")), grouped(copied),
-                         grouped(full)});
-    };
-    for (std::size_t c = 0; c < classes.size(); ++c)
-        add(printable(classes[c]), [c](const checked_image& found) { return found.label == c; });
-    add("all", [](const checked_image&) { return true; });
-    return table(cells);
-}
+/// A line of the table.
+struct counts {
+    std::string name;
+    std::size_t images = 0, copies = 0, full = 0; ///< `full`: those with a tactel at 255
+    std::vector<std::string> sizes{};
+};
 
-/// Each in a line.
-std::vector<std::string> problems_of(const std::vector<checked_image>& images,
-                                     const std::vector<image_copy>& copies) {
-    std::map<std::string, std::size_t> sizes;
-    for (const checked_image& found : images)
-        if (found.unreadable.empty())
-            ++sizes[found.size()];
-    const std::string usual = sizes.empty() ? "" : std::ranges::max_element(sizes, {}, [](const auto& size) {
-                                                       return size.second;
-                                                   })->first;
+/// What is wrong with an image by itself. Each in a line.
+std::vector<std::string> problems_of(const checked_image& found, const std::string& usual) {
+    if (!found.unreadable.empty())
+        return {printable(found.unreadable)};
     std::vector<std::string> problems;
-    for (const checked_image& found : images) {
-        const auto add = [&](const std::string& problem) { problems.push_back(found.name + ": " + problem); };
-        if (!found.unreadable.empty()) {
-            add(printable(found.unreadable));
-            continue;
-        }
-        if (found.size() != usual)
-            add(fmt::format("expected {} as most images, or --resize in training, found {}", usual,
-                            found.size()));
-        const std::size_t pressed = found.count(1), full = found.count(255);
-        if (found.one_value() && full == 0)
-            add("expected a touch, found the same value in all tactels");
-        if (full > 0 && 2 * full >= pressed)
-            add(fmt::format(
-                "expected pressures that the sensor can tell, found {} of {} pressed tactels at 255", full,
-                pressed));
-    }
-    for (const auto& [original, copy] : copies)
-        if (original->label != copy->label)
-            problems.push_back(copy->name + ": expected an image of one class, found a copy of " +
-                               original->name);
+    if (found.size != usual)
+        problems.push_back(
+            fmt::format("expected {} as most images, or --resize in training, found {}", usual, found.size));
+    const std::size_t pressed = found.count(1), full = found.count(255);
+    if (found.one_value() && full == 0)
+        problems.emplace_back("expected a touch, found the same value in all tactels");
+    if (full > 0 && 2 * full >= pressed)
+        problems.push_back(
+            fmt::format("expected pressures that the sensor can tell, found {} of {} pressed tactels at 255",
+                        full, pressed));
     return problems;
 }
 
@@ -183,20 +130,49 @@ std::vector<std::filesystem::path> others_in(const std::filesystem::path& folder
 int check_data(const std::filesystem::path& folder) {
     const tactnet::image_folder list = tactnet::list_image_folder(folder);
     const std::vector<checked_image> images = read_images(list, folder);
-    const std::vector<image_copy> copies = copies_among(images);
-    const std::vector<std::filesystem::path> others = others_in(folder, list);
-    std::string text = table_of(images, copies, list.classes);
-    for (const auto& [original, copy] : copies)
-        if (original->label == copy->label) // no problem: a sensor may send a frame twice
-            text += fmt::format("{} is a copy of {}: a random split may train on one and test the other\n",
-                                copy->name, original->name);
-    if (!others.empty())
+    const std::string usual = usual_size(images);
+    std::vector<counts> lines;
+    for (const std::string& name : list.classes)
+        lines.push_back({printable(name)});
+    lines.push_back({"all"});
+    std::map<std::pair<std::string, std::vector<std::uint8_t>>, const checked_image*> first; // by pixels
+    std::vector<std::string> problems, copies;
+    for (const checked_image& found : images) {
+        const checked_image* original = nullptr;
+        if (found.unreadable.empty() && !found.one_value())
+            if (const auto [same, is_new] = first.try_emplace({found.size, found.image.pixels}, &found);
+                !is_new)
+                original = same->second;
+        for (counts* line : {&lines[found.label], &lines.back()}) {
+            ++line->images;
+            line->copies += original != nullptr;
+            line->full += found.count(255) > 0;
+            if (std::ranges::find(line->sizes, found.size) == line->sizes.end())
+                line->sizes.push_back(found.size);
+        }
+        for (const std::string& problem : problems_of(found, usual))
+            problems.push_back(found.name + ": " + problem);
+        if (original != nullptr && original->label == found.label) // no problem: a sensor may repeat a frame
+            copies.push_back(fmt::format("{} is a copy of {}: a random split may train on one and test the "
+                                         "other",
+                                         found.name, original->name));
+        else if (original != nullptr)
+            problems.push_back(found.name + ": expected an image of one class, found a copy of " +
+                               original->name);
+    }
+    table_cells cells{{"class", "images", "size", "copies", "with 255"}};
+    for (const counts& line : lines)
+        cells.push_back({line.name, grouped(line.images), fmt::format("{}", fmt::join(line.sizes, ", ")),
+                         grouped(line.copies), grouped(line.full)});
+    std::string text = table(cells);
+    for (const std::string& copy : copies)
+        text += copy + '\n';
+    if (const auto others = others_in(folder, list); !others.empty())
         text += fmt::format("{} files are no images of a class and are passed over, such as {}\n",
                             grouped(others.size()), name_in(folder, others.front()));
     const bool of_paper = fingerprint_of_images(images, list.classes.size()) == fingerprint_of_paper;
     text += fmt::format("These are {}{}{}.\n", of_paper ? "" : "not ", paper_images,
                         of_paper ? ", to the last pixel" : "");
-    const std::vector<std::string> problems = problems_of(images, copies);
     for (const std::string& problem : problems)
         text += problem + '\n';
     text += problems.empty() ? "nothing is wrong\n" : fmt::format("{} problems\n", grouped(problems.size()));

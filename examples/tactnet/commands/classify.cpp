@@ -1,17 +1,8 @@
 // tactnet classify: images in, a line each out.
 
 #include "commands/commands.hpp"
-#include "console.hpp"
 #include "data/image_data.hpp"
 #include "methods/weights.hpp"
-#include "reports/report.hpp"
-
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-
-#include <memory>
-#include <string>
-#include <vector>
 
 namespace {
 

@@ -1,13 +1,33 @@
 #pragma once
 
-// The subcommands. Each adds its options to the program and returns what to do when it was chosen, which
-// gives the exit status.
+// The subcommands, and what all of them include. Each adds its options to the program and returns what to do
+// when it was chosen, which gives the exit status.
 
+#include "console.hpp"
+#include "number_options.hpp"
+#include "reports/report.hpp"
+
+#include <tactnet/io/file_error.hpp>
+#include <tactnet/text/quoting.hpp>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
 #include <functional>
-
-namespace CLI {
-class App;
-}
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 using command = std::function<int()>;
 

@@ -1,37 +1,21 @@
 // tactnet evaluate: methods trained and tested on many splits, and what each costs. Or a weight file.
 
 #include "commands/commands.hpp"
-#include "console.hpp"
 #include "evaluation/trainings.hpp"
 #include "files/output_files.hpp"
 #include "methods/description.hpp"
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
-#include "number_options.hpp"
 #include "reports/pictures.hpp"
 #include "study/pictures.hpp"
 
 #include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/text/quoting.hpp>
 
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <interrupt.hpp>
 #include <iterator>
-#include <memory>
 #include <set>
-#include <string>
-#include <string_view>
-#include <system_error>
 #include <thread>
-#include <utility>
-#include <vector>
 
 namespace {
 
@@ -46,42 +30,25 @@ struct evaluate_options {
     std::size_t jobs = std::max(1U, std::thread::hardware_concurrency());
 };
 
-std::vector<std::pair<std::size_t, std::size_t>> sizes_of(const evaluate_options& o) {
-    std::vector<std::pair<std::size_t, std::size_t>> sizes;
-    for (const std::string& text : o.sizes) {
-        const auto size = size_of(text);
-        if (!size)
-            refuse("--sizes: expected sizes such as 28x50, found '{}'", text);
-        sizes.push_back(*size);
-    }
-    if (sizes.empty())
-        sizes.emplace_back(o.training.rows, o.training.columns);
-    return sizes;
-}
-
-template <class Number, class Bits>
-std::string picture_name(std::string_view kind, const std::string& method, Number rows, Number columns,
-                         Bits bits) {
-    return fmt::format("{}_{}_{}x{}{}", kind, method, rows, columns, bits == 8 ? "_8bit" : "");
-}
-
-/// TactNet-4 and TactNet-6, if they are there.
-std::vector<std::string> default_methods() {
-    std::vector<std::string> names;
-    for (const std::string name : {"tactnet4", "tactnet6"})
-        if (std::ranges::any_of(all_methods(), [&](const auto& m) { return m->name == name; }))
-            names.push_back(name);
-    return names.empty() ? std::vector{default_method()} : names;
+/// "confusion_tactnet6_28x50" in the folder of results.
+std::filesystem::path picture_stem(const evaluate_options& o, std::string_view kind, const candidate& c,
+                                   std::size_t bits) {
+    return std::filesystem::path(o.results) / fmt::format("{}_{}_{}x{}{}", kind, c.what->name, c.what->rows,
+                                                          c.what->columns, bits == 8 ? "_8bit" : "");
 }
 
 /// All that was asked for. Throws usage_error.
 candidate_list candidates_of(const evaluate_options& o) {
     candidate_list chosen;
-    for (const auto& [rows, columns] : sizes_of(o))
+    std::vector<std::pair<std::size_t, std::size_t>> sizes;
+    for (const std::string& text : o.sizes)
+        sizes.push_back(*size_of(text));
+    if (sizes.empty())
+        sizes.emplace_back(o.training.rows, o.training.columns);
+    for (const auto& [rows, columns] : sizes)
         for (const std::string& name : o.methods) {
-            training_settings training = o.training;
-            training.rows = rows, training.columns = columns;
-            chosen.push_back({&find_method(name, rows, columns), training, nullptr});
+            candidate& c = chosen.emplace_back(candidate{&find_method(name, rows, columns), o.training});
+            c.training.rows = rows, c.training.columns = columns;
         }
     // A setting for some of the methods is no mistake of the others.
     const bool pretrained = std::ranges::any_of(
@@ -92,8 +59,6 @@ candidate_list candidates_of(const evaluate_options& o) {
             c.training.pretrained.clear();
         if (network && !c.what->is_network())
             c.training = without_epochs(c.training);
-        if (!may_be_thorough(*c.what))
-            c.training.unknown = 0;
         static_cast<void>(recipe_for(*c.what, c.training));
     }
     return chosen;
@@ -109,30 +74,27 @@ void check(const evaluate_options& o, const split_plan& plan, const candidate_li
         for (const std::size_t bits : bits_of(c))
             for (const std::string_view kind : {"confusion", "reliability"})
                 if (kind == "confusion" || c.what->is_network())
-                    pictures.insert(std::filesystem::path(o.results) /
-                                    picture_name(kind, c.what->name, c.what->rows, c.what->columns, bits));
+                    pictures.insert(picture_stem(o, kind, c, bits));
     check_study_files(o.results, {"table.jsonl", "table.csv"}, pictures,
                       {{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, o.data,
                       chosen);
 }
 
-void report(const evaluate_options& o, const std::vector<study_row>& rows) {
+void report(const evaluate_options& o, const candidate_list& candidates, const std::vector<study_row>& rows) {
     const std::filesystem::path folder = o.results;
-    for (const study_row& row : rows) {
-        const std::string title =
-            fmt::format("{}, {} {} splits", title_of(row), o.splits, name_of(shown_rule(rows)));
-        const auto stem = [&](std::string_view kind) {
-            return folder / picture_name(kind, text(row, "method"), number(row, "rows"),
-                                         number(row, "columns"), number(row, "bits"));
-        };
-        plot_confusion(stem("confusion"), title, row.confusion, row.classes);
-        if (row.probabilities)
-            plot_reliability(stem("reliability"), title, *row.probabilities);
-    }
+    auto row = rows.begin(); // one for each candidate and format
+    for (const candidate& c : candidates)
+        for (const std::size_t bits : bits_of(c)) {
+            const std::string title =
+                fmt::format("{}, {} {} splits", title_of(*row), o.splits, name_of(shown_rule(rows)));
+            plot_confusion(picture_stem(o, "confusion", c, bits), title, row->confusion, row->classes);
+            if (row->probabilities)
+                plot_reliability(picture_stem(o, "reliability", c, bits), title, *row->probabilities);
+            ++row;
+        }
     write_rows(rows, folder, "table");
     draw_study_pictures(rows, folder);
-    for (const study_table& t :
-         {methods_table(rows), details_table(rows), probabilities_table(rows), decisions_table(rows)})
+    for (const study_table& t : {methods_table(rows), details_table(rows), probabilities_table(rows)})
         if (t.cells.size() > 1)
             print(table(without_empty_columns(t.cells)) + '\n');
     print("accuracy: test images, mean ± standard deviation (splits); µs: this machine, one core\n");
@@ -153,7 +115,7 @@ int evaluate(const evaluate_options& o) {
     if (!train_all(all, o.jobs, results))
         return interrupted_by_user;
     const pinned here;
-    report(o, rows_of(candidates, plan, all, results, [](const method& what, std::size_t bits) {
+    report(o, candidates, rows_of(candidates, plan, all, results, [](const method& what, std::size_t bits) {
                return measure_latency(what.make_work(bits), what.frames_together());
            }));
     return success;
@@ -213,15 +175,7 @@ int evaluate_weights(const evaluate_options& o) {
     study_row row = make_row(what.name, what.rows, what.columns, "", weights.trained->bits());
     put_calibration(row, calibration_of(result, chosen, data, weights.scaling));
     plot_reliability(stem("reliability_"), o.weights.weights, *row.probabilities);
-    if (!what.pretrained()) {
-        put_decisions(row,
-                      sets_of_classes(weights.trained->evaluate(data.view(), split.validation, threads),
-                                      result, data, split));
-        put_decisions(row, faults_of_sensor(*weights.trained, data, chosen, 0, threads));
-    }
-    for (const study_table& t : {probabilities_table({row}), decisions_table({row})})
-        if (t.cells.size() > 1)
-            print('\n' + table(without_empty_columns(t.cells)));
+    print('\n' + table(without_empty_columns(probabilities_table({row}).cells)));
     return success;
 }
 
@@ -260,20 +214,20 @@ command add_evaluate(CLI::App& program) {
         program.add_subcommand("evaluate", "Train and test methods on many splits, or test a weight file");
     auto o = std::make_shared<evaluate_options>();
     add_data_option(*app, o->data);
-    app->add_option("--method", o->methods,
-                    fmt::format("Methods, separated by commas: {} (default: {})", method_names(),
-                                fmt::join(default_methods(), ",")))
+    app->add_option(
+           "--method", o->methods,
+           fmt::format("Methods, separated by commas: {} (default: {})", method_names(), default_method()))
         ->delimiter(',');
     add_training_options(*app, o->training);
     app->add_option(
            "--sizes", o->sizes,
            "Sizes, such as 28x50,14x25, in place of --rows and --columns; images of another size need "
            "--resize")
-        ->delimiter(',');
+        ->delimiter(',')
+        ->check(size());
     add_bits_option(*app, o->training.bits,
                     "8: each training also as a network in 8 bits, with the ranges of maps from its training "
                     "images");
-    add_unknown_option(*app, o->training.unknown);
     add_run_options(*app, *o);
     add_weight_options(*app, o->weights, false);
     app->add_option("--images", o->images,
@@ -282,7 +236,7 @@ command add_evaluate(CLI::App& program) {
     return [o, app] {
         if (o->weights.weights.empty()) {
             if (o->methods.empty())
-                o->methods = default_methods();
+                o->methods = {default_method()};
             return evaluate(*o);
         }
         take_weight_options(*app, *o);

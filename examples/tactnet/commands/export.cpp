@@ -2,25 +2,12 @@
 // as another weight file.
 
 #include "commands/commands.hpp"
-#include "console.hpp"
 #include "data/image_data.hpp"
 #include "files/output_files.hpp"
 #include "methods/weights.hpp"
 
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/text/quoting.hpp>
-
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-
-#include <cstddef>
-#include <cstdint>
-#include <memory>
-#include <span>
-#include <stdexcept>
-#include <string>
-#include <vector>
 
 namespace {
 

@@ -1,17 +1,7 @@
 // tactnet list: the methods that were compiled in, and what they cost.
 
 #include "commands/commands.hpp"
-#include "console.hpp"
 #include "methods/registry.hpp"
-#include "number_options.hpp"
-#include "reports/report.hpp"
-
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <memory>
-#include <optional>
 
 namespace {
 

@@ -1,26 +1,9 @@
 // tactnet recommend: the best network of a study within a budget.
 
 #include "commands/commands.hpp"
-#include "console.hpp"
 #include "files/line_file.hpp"
-#include "number_options.hpp"
-#include "reports/report.hpp"
 
-#include <tactnet/io/file_error.hpp>
-
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
-#include <algorithm>
-#include <cstddef>
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <stdexcept>
-#include <string>
-#include <utility>
-#include <vector>
+#include <tuple>
 
 namespace {
 
@@ -61,39 +44,35 @@ std::string title_of_network(const nlohmann::json& row) {
 int recommend(const recommend_options& o) {
     const std::filesystem::path path = std::filesystem::path(o.results) / "study.jsonl";
     std::vector<nlohmann::json> all = networks_in(path, o.split);
-    const auto number = [](const char* name) {
-        return [name](const nlohmann::json& row) { return row.at(name).get<double>(); };
-    };
-    const std::string splits = o.split + "_splits", accuracy = o.split + "_accuracy";
     if (all.empty())
         throw tactnet::file_error(path.string(), "",
                                   fmt::format("networks that were timed, and tested on {} splits", o.split),
                                   "none");
-    const nlohmann::json fastest = *std::ranges::min_element(all, {}, number("microseconds"));
+    const auto by = [](const std::string& member) {
+        return [member](const nlohmann::json& row) { return row.at(member).get<double>(); };
+    };
+    const auto time = by("microseconds"), accuracy = by(o.split + "_accuracy"),
+               splits = by(o.split + "_splits");
+    const nlohmann::json fastest = *std::ranges::min_element(all, {}, time);
     std::erase_if(all, [&](const nlohmann::json& row) {
-        return (o.microseconds && row.at("microseconds") > *o.microseconds) ||
-               (o.bytes && row.at("bytes") > *o.bytes) || (o.rows && row.at("rows") > *o.rows) ||
-               (o.columns && row.at("columns") > *o.columns);
+        return (o.microseconds && time(row) > *o.microseconds) || (o.bytes && row.at("bytes") > *o.bytes) ||
+               (o.rows && row.at("rows") > *o.rows) || (o.columns && row.at("columns") > *o.columns);
     });
     if (all.empty())
         refuse(
             "expected a budget that a network of {} keeps, found none; the fastest, {}, takes {:.2f} µs and "
             "{} bytes",
-            path.string(), title_of_network(fastest), number("microseconds")(fastest),
-            fastest.at("bytes").get<std::size_t>());
+            path.string(), title_of_network(fastest), time(fastest), fastest.at("bytes").get<std::size_t>());
     // A mean over few splits cannot be compared with one over many.
-    const double most = number(splits.c_str())(*std::ranges::max_element(all, {}, number(splits.c_str())));
-    std::erase_if(all, [&](const nlohmann::json& row) { return row.at(splits) < most; });
     const nlohmann::json& best = *std::ranges::max_element(all, {}, [&](const nlohmann::json& row) {
-        return std::pair(number(accuracy.c_str())(row), -number("microseconds")(row));
+        return std::tuple(splits(row), accuracy(row), -time(row));
     });
     print(fmt::format("{}, {} recipe: {:.2f} ± {:.2f} % over {} {} splits, {:.2f} µs per frame (p99 {:.2f}), "
                       "{} bytes of weights\n{}\n",
-                      title_of_network(best), best.at("recipe").get<std::string>(),
-                      100 * number(accuracy.c_str())(best),
-                      100 * best.at(o.split + "_deviation").get<double>(), most, o.split,
-                      number("microseconds")(best), number("microseconds_p99")(best),
-                      grouped(best.at("bytes")), best.at("declaration").get<std::string>()));
+                      title_of_network(best), best.at("recipe").get<std::string>(), 100 * accuracy(best),
+                      100 * by(o.split + "_deviation")(best), splits(best), o.split, time(best),
+                      by("microseconds_p99")(best), grouped(best.at("bytes")),
+                      best.at("declaration").get<std::string>()));
     return success;
 }
 

@@ -2,36 +2,22 @@
 
 #include "commands/commands.hpp"
 #include "commands/scenes.hpp"
-#include "console.hpp"
 #include "data/input_file.hpp"
 #include "files/output_files.hpp"
-#include "number_options.hpp"
 
 #include <tactnet/io/partial_file.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
-#include <tactnet/text/quoting.hpp>
 #include <tactnet/version.hpp>
 
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
-#include <algorithm>
 #include <atomic>
 #include <decode_image.hpp>
 #include <exception>
-#include <filesystem>
 #include <interrupt.hpp>
-#include <memory>
 #include <mutex>
-#include <string>
-#include <string_view>
 #include <thread>
-#include <utility>
-#include <vector>
 
 namespace {
 

@@ -1,7 +1,6 @@
 // tactnet study: the paper's experiments again, and what they cost in time, on one page.
 
 #include "commands/commands.hpp"
-#include "console.hpp"
 #include "evaluation/trainings.hpp"
 #include "files/claims.hpp"
 #include "files/output_files.hpp"
@@ -12,22 +11,11 @@
 
 #include <tactnet/io/write_file.hpp>
 
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include <algorithm>
 #include <cmath>
-#include <functional>
 #include <interrupt.hpp>
 #include <map>
-#include <memory>
-#include <optional>
 #include <set>
-#include <string>
 #include <thread>
-#include <utility>
-#include <vector>
 
 namespace {
 
@@ -36,8 +24,7 @@ struct study_options {
     std::vector<std::string> methods, sizes, recipes{"default", "published"}, pretrained;
     std::string split = "both";
     std::size_t splits = 20, jobs = std::max(1U, std::thread::hardware_concurrency());
-    std::size_t bits = 8;    ///< 8: networks in 8 bits too, where they have such a form
-    std::size_t unknown = 0; ///< see training_settings
+    std::size_t bits = 8; ///< 8: networks in 8 bits too, where they have such a form
     bool report_only = false, only_trained = false;
 };
 
@@ -61,8 +48,8 @@ std::map<std::string, std::string, std::less<>> pretrained_files(const study_opt
     return files;
 }
 
-/// Every method of the program at every size; those that need a file that was not given are reported, and left
-/// out. Throws usage_error.
+/// Every method of the program at every size; those that need a file that was not given are reported, and
+/// left out. Throws usage_error.
 candidate_list candidates_of(const study_options& o) {
     const auto files = pretrained_files(o);
     candidate_list list;
@@ -74,7 +61,6 @@ candidate_list candidates_of(const study_options& o) {
         settings.rows = m->rows, settings.columns = m->columns;
         settings.resize = true;
         settings.bits = o.bits == 8 && m->has_eight_bit_form() ? 8 : 32;
-        settings.unknown = may_be_thorough(*m) ? o.unknown : 0;
         if (const auto needed = m->pretrained()) {
             const auto file = files.find(needed->network.name);
             if (file == files.end()) {
@@ -276,7 +262,6 @@ command add_study(CLI::App& program) {
     add_bits_option(
         *app, o->bits,
         "8: networks in 8 bits too, where that form was compiled in; 32: in single precision alone");
-    add_unknown_option(*app, o->unknown);
     app->add_flag(
         "--report-only", o->report_only,
         "Train and time nothing; report the results in the folder, also those of other versions and "

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
 #include <decode_image.hpp>
 #include <sstream>
 #include <string_view>

@@ -5,11 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <array>
 #include <cmath>
-#include <cstddef>
-#include <string>
-#include <utility>
 
 namespace {
 
@@ -45,8 +41,6 @@ std::string line_of(const training_result& r) {
         line["calibration"] = {{"temperature", r.calibration->scaling.temperature},
                                {"before", bins_of(r.calibration->before)},
                                {"after", bins_of(r.calibration->after)}};
-    for (const auto& [name, mean] : r.decisions)
-        line["decisions"][name] = {mean.sum, mean.count};
     return line.dump();
 }
 
@@ -81,9 +75,6 @@ training_result result_of(const std::string& text) {
         r.calibration =
             calibration{{of.at("temperature")}, diagram_in(of.at("before")), diagram_in(of.at("after"))};
     }
-    if (line.contains("decisions"))
-        for (const auto& [name, mean] : line["decisions"].items())
-            r.decisions[name] = {mean.at(0), mean.at(1)};
     return r;
 }
 

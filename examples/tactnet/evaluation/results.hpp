@@ -4,7 +4,6 @@
 // there need not be done again.
 
 #include "data/image_data.hpp"
-#include "evaluation/decisions.hpp"
 #include "files/line_file.hpp"
 #include "methods/method.hpp"
 
@@ -46,10 +45,8 @@ struct training_result {
     /// On test images, averaged over their reflections; NaN for methods that do not do that.
     double reflected_accuracy = std::numeric_limits<double>::quiet_NaN();
     /// Of test images, at a temperature fitted on the validation images; nothing for methods without
-    /// probabilities, and in lists of before version 0.3.
+    /// probabilities, and in lists of version 0.1.
     std::optional<::calibration> calibration{};
-    /// On test images; nothing in lists of before version 0.3, and for support vector machines.
-    decision_means decisions{};
     double seconds = 0;
     std::size_t epochs = 0;
 };

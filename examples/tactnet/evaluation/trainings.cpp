@@ -18,21 +18,13 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cstddef>
 #include <exception>
-#include <filesystem>
 #include <interrupt.hpp>
-#include <limits>
 #include <list>
-#include <map>
-#include <memory>
 #include <mutex>
 #include <set>
-#include <span>
 #include <stopwatch.hpp>
-#include <string>
 #include <thread>
-#include <utility>
 
 namespace {
 
@@ -64,10 +56,6 @@ training_result result_of(const trained_method& trained, const task& t, const tr
     result.confusion = test.confusion;
     if (const auto scaling = fit_temperature(validation, validation_images, data))
         result.calibration = calibration_of(test, test_images, data, *scaling);
-    if (!test.logits.empty() && !t.of->what->pretrained()) {
-        result.decisions = sets_of_classes(validation, test, data, training.split());
-        add_means(result.decisions, faults_of_sensor(trained, data, test_images, t.seed, alone));
-    }
     if (trained.averages_reflections())
         result.reflected_accuracy =
             trained.evaluate(data.view(), test_images, alone, tactnet::test_time_augmentation::reflections)
@@ -77,37 +65,6 @@ training_result result_of(const trained_method& trained, const task& t, const tr
     return result;
 }
 
-/// Trains on one thread, until it is finished or interrupted.
-std::unique_ptr<training_run> train(const candidate& c, const task& t, tactnet::thread_pool& alone) {
-    auto training = c.what->train(recipe_for(*c.what, c.training), c.data->view(),
-                                  tactnet::split_data(c.data->images.labels, c.data->images.classes.size(),
-                                                      t.rule, t.seed, c.training.shares),
-                                  t.seed, alone, c.pretrained);
-    start(*training, c.start.get());
-    while (!training->finished() && !interrupted())
-        training->advance();
-    return training;
-}
-
-/// Trains without some classes, and scores the images of these. Nothing if it was interrupted.
-decision_means unknown_objects(const task& t) {
-    const class_choice chosen =
-        choose_classes(t.of->data->images.classes.size(), t.of->training.unknown, t.seed);
-    candidate of_known = *t.of;
-    of_known.data = std::make_shared<const image_data>(images_of_classes(*t.of->data, chosen.known));
-    tactnet::thread_pool alone;
-    const auto training = train(of_known, t, alone);
-    if (!training->finished())
-        return {};
-    const auto best = training->best(of_known.data->images.classes);
-    image_data others = images_of_classes(*t.of->data, chosen.unknown);
-    std::ranges::fill(others.images.labels, 0U); // labels of no use, which the method must have
-    others.images.classes = of_known.data->images.classes;
-    return separation(best->evaluate(of_known.data->view(), training->split().test, alone),
-                      best->evaluate(others.view(), tactnet::all_samples(others.images.size()), alone),
-                      chosen.known.size());
-}
-
 /// Trains on one thread. Returns results in single precision, and in 8 bits if the task says so; nothing if
 /// it was interrupted.
 std::vector<training_result> run(const task& t) {
@@ -115,15 +72,20 @@ std::vector<training_result> run(const task& t) {
     const std::vector<std::string>& classes = data.images.classes;
     tactnet::thread_pool alone;
     const stopwatch watch;
-    const auto training = train(*t.of, t, alone);
+    const candidate& c = *t.of;
+    const auto training = c.what->train(
+        recipe_for(*c.what, c.training), data.view(),
+        tactnet::split_data(data.images.labels, classes.size(), t.rule, t.seed, c.training.shares), t.seed,
+        alone, c.pretrained);
+    start(*training, c.start.get());
+    while (!training->finished() && !interrupted())
+        training->advance();
     const double seconds = watch.seconds();
-    const decision_means unknown = t.of->training.unknown > 0 ? unknown_objects(t) : decision_means{};
-    if (!training->finished() || interrupted())
+    if (!training->finished())
         return {};
     const auto best = training->best(classes);
     std::vector<training_result> results{result_of(*best, t, *training, in_single_precision(t.settings))};
-    add_means(results.front().decisions, unknown);
-    if (t.of->training.bits == 8)
+    if (c.training.bits == 8)
         results.push_back(result_of(*in_eight_bits(*best, data.view(), training->split().training), t,
                                     *training, t.settings));
     const auto* by_epochs = dynamic_cast<const network_training*>(training.get());
@@ -139,149 +101,117 @@ std::string title_of(const task& t) {
                        name_of(t.rule), t.seed);
 }
 
-/// What the workers share: the trainings that are left, given out so that no two programs on one folder of
-/// results do the same.
-class side_by_side {
-public:
-    side_by_side(const std::vector<task>& tasks, result_list& results, std::vector<std::string>* diverged)
-        : all_(tasks.size()), results_(results), diverged_(diverged) {
-        for (const task& t : tasks)
-            left_.push_back(&t);
-    }
-
-    /// One worker, until nothing is left, a training has failed, or someone interrupts.
-    void work() noexcept {
-        try {
-            for (const task* mine = nullptr; (mine = next()) != nullptr;)
-                if (!do_one(*mine))
-                    return;
-        } catch (...) { // also what goes wrong while an error is put into words: no memory
-            fail(std::current_exception());
-        }
-    }
-    /// Says that fewer work than were asked for.
-    void tell_refused(std::size_t granted, std::size_t wanted) {
-        const std::lock_guard lock(mutex_);
-        line_.end_line();
-        tell("the system refuses more threads: {} trainings at a time in place of {}\n", granted, wanted);
-    }
-    void end() {
-        line_.end_line();
-        if (failure_)
-            std::rethrow_exception(failure_);
-    }
-
-private:
-    /// Nothing when there is nothing more to do. Waits while other programs do all that is left.
-    const task* next() {
-        while (!failed_ && !interrupted()) {
-            {
-                const std::lock_guard lock(mutex_);
-                if (const task* const mine = claim_one(); mine != nullptr || left_.empty())
-                    return mine;
-                if (!std::exchange(told_, true)) {
-                    line_.end_line();
-                    tell("waiting for {} trainings that other programs do in this folder of results\n",
-                         left_.size());
-                }
-            }
-            std::this_thread::sleep_for(std::chrono::milliseconds(200));
-        }
-        return nullptr;
-    }
-    /// A training that is this program's until it is released. Nothing while other programs do all that is
-    /// left: their results are read when they are there, and what a program that ended has left undone is
-    /// done here.
-    const task* claim_one() {
-        for (auto t = left_.begin(); t != left_.end();) {
-            const task* const mine = *t;
-            if (!claims_.take(name_for(*mine))) {
+/// Side by side, each on one thread, and so that no two programs on one folder of results do the same. False
+/// if interrupted.
+bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& results,
+             std::vector<std::string>* diverged) {
+    std::atomic<bool> failed{false};
+    const stopwatch watch;
+    std::mutex mutex; // of what follows
+    std::list<const task*> left;
+    for (const task& t : tasks)
+        left.push_back(&t);
+    claims mine;
+    progress line;
+    std::exception_ptr failure;
+    std::size_t done_here = 0;
+    bool told_to_wait = false;
+    const auto name_for = [&](const task& t) {
+        return results.path().parent_path() / fingerprint_of(t.settings);
+    };
+    // A training that is this program's until it is released. Nothing while other programs do all that is
+    // left: their results are read when they are there, and what a program that ended has left undone is done
+    // here.
+    const auto claim_one = [&]() -> const task* {
+        for (auto t = left.begin(); t != left.end();) {
+            const task* const found = *t;
+            if (!mine.take(name_for(*found))) {
                 ++t;
                 continue;
             }
             // Under the claim: another program may have finished it since the list was read.
-            results_.read_on();
-            t = left_.erase(t);
-            if (!results_.has(mine->settings))
-                return mine;
-            claims_.release(name_for(*mine));
-            ++from_others_;
+            results.read_on();
+            t = left.erase(t);
+            if (!results.has(found->settings))
+                return found;
+            mine.release(name_for(*found));
         }
         return nullptr;
-    }
-    std::filesystem::path name_for(const task& t) const {
-        return results_.path().parent_path() / fingerprint_of(t.settings);
-    }
-    /// False if it was interrupted.
-    bool do_one(const task& t) {
+    };
+    std::size_t running = 0;
+    const auto keep = [&](const task& t, std::vector<training_result> found) {
+        const double accuracy = found.back().confusion.accuracy();
+        for (training_result& result : found)
+            if (results.find(result.settings) == nullptr) // single precision may be there from before
+                results.add(std::move(result));
+        const std::size_t done = tasks.size() - left.size() - running;
+        line.show(fmt::format("{} of {} trainings, {}: {:.2f} %, {}", done, tasks.size(), title_of(t),
+                              100 * accuracy, time_left(watch.seconds(), ++done_here, tasks.size() - done)),
+                  done == tasks.size());
+    };
+    const auto do_one = [&](const task& t) {
+        std::vector<training_result> found;
+        std::string problem;
         try {
-            std::vector<training_result> results = run(t);
-            const bool done = !results.empty();
-            if (done)
-                keep(t, std::move(results));
-            return done;
+            found = run(t);
         } catch (const tactnet::training_diverged& error) {
-            const std::string what = title_of(t) + ": " + error.what();
-            if (diverged_ == nullptr)
-                throw tactnet::training_diverged(what);
-            const std::lock_guard lock(mutex_);
-            diverged_->push_back(what);
-            claims_.release(name_for(t));
-            ++done_;
-            return true;
+            problem = title_of(t) + ": " + error.what();
+            if (diverged == nullptr)
+                throw tactnet::training_diverged(problem);
         }
-    }
-    void keep(const task& t, std::vector<training_result> results) {
-        const std::lock_guard lock(mutex_);
-        const double accuracy = results.back().confusion.accuracy();
-        for (training_result& result : results)
-            if (results_.find(result.settings) == nullptr) // single precision may be there from before
-                results_.add(std::move(result));
-        claims_.release(name_for(t));
-        ++done_;
-        const std::size_t done = done_ + from_others_;
-        line_.show(fmt::format("{} of {} trainings, {}: {:.2f} %, {}", done, all_, title_of(t),
-                               100 * accuracy, time_left(watch_.seconds(), done_, all_ - done)),
-                   done == all_);
-    }
-    void fail(std::exception_ptr failure) noexcept {
-        const std::lock_guard lock(mutex_);
-        if (!failed_.exchange(true))
-            failure_ = std::move(failure);
-    }
-
-    const std::size_t all_;
-    std::atomic<bool> failed_{false};
-    stopwatch watch_;
-    std::mutex mutex_; ///< of what follows
-    result_list& results_;
-    std::list<const task*> left_;
-    claims claims_;
-    std::size_t from_others_ = 0; ///< results that other programs have brought
-    bool told_ = false;           ///< that it waits
-    std::vector<std::string>* const diverged_;
-    std::exception_ptr failure_;
-    std::size_t done_ = 0;
-    progress line_;
-};
-
-/// Side by side, each on one thread.
-bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& results,
-             std::vector<std::string>* diverged) {
-    side_by_side shared(tasks, results, diverged);
+        const std::lock_guard lock(mutex);
+        --running;
+        if (!found.empty())
+            keep(t, std::move(found));
+        else if (!problem.empty())
+            diverged->push_back(problem);
+        mine.release(name_for(t));
+    };
+    const auto work = [&]() noexcept {
+        try {
+            while (!failed && !interrupted()) {
+                const task* next = nullptr;
+                {
+                    const std::lock_guard lock(mutex);
+                    next = claim_one();
+                    running += next != nullptr;
+                    if (next == nullptr && left.empty())
+                        return;
+                    if (next == nullptr && !std::exchange(told_to_wait, true)) {
+                        line.end_line();
+                        tell("waiting for {} trainings that other programs do in this folder of results\n",
+                             left.size());
+                    }
+                }
+                if (next != nullptr)
+                    do_one(*next);
+                else
+                    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+            }
+        } catch (...) { // also what goes wrong while an error is put into words: no memory
+            const std::lock_guard lock(mutex);
+            if (!failed.exchange(true))
+                failure = std::current_exception();
+        }
+    };
     {
         const std::size_t wanted = std::min(jobs, tasks.size());
         std::vector<std::jthread> workers; // which end before this does, whatever is thrown
         try {
             while (workers.size() + 1 < wanted)
-                workers.emplace_back([&] { shared.work(); });
+                workers.emplace_back(work);
         } catch (
             const std::exception&) { // no thread or no memory; results do not depend on how many there are
-            shared.tell_refused(workers.size() + 1, wanted);
+            const std::lock_guard lock(mutex);
+            line.end_line();
+            tell("the system refuses more threads: {} trainings at a time in place of {}\n",
+                 workers.size() + 1, wanted);
         }
-        shared.work();
+        work();
     }
-    shared.end();
+    line.end_line();
+    if (failure)
+        std::rethrow_exception(failure);
     return !interrupted();
 }
 
@@ -320,10 +250,6 @@ void load_candidates(candidate_list& list, const std::filesystem::path& data) {
         c.data = images;
         check_capacity(*c.what, data.string(), images->images.classes.size());
         check_test_images(data, c.training, *images);
-        if (const std::size_t classes = images->images.classes.size();
-            c.training.unknown > 0 && c.training.unknown + 2 > classes)
-            refuse("--unknown: expected to leave two of {} classes or more, found {}", classes,
-                   c.training.unknown);
         c.start = load_start(*c.what, c.training, images->images.classes);
         c.pretrained = open_pretrained(*c.what, c.training);
     }

@@ -103,6 +103,10 @@ struct weight_file {
     std::shared_ptr<tactnet::safetensors_source> trunk{};
 };
 
+/// Touches of 22 sizes in turn, for timing and for self-tests, which then hold nobody's recordings: the same
+/// bits each time.
+std::vector<std::uint8_t> made_up_touches(std::size_t count, tactnet::extent2d image);
+
 struct any_model;
 
 /// What a training leaves: a network with its weights, or a support vector machine with its features.

@@ -13,9 +13,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <span>
-#include <stdexcept>
 #include <system_error>
 
 void add_weight_options(CLI::App& command, weight_options& o, bool required) {

@@ -12,12 +12,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdio>
-#include <string_view>
 #include <sys/wait.h>
 #include <system_error>
-#include <utility>
 
 namespace {
 

@@ -1,14 +1,11 @@
 #include "study/page.hpp"
 
-#include "methods/training_settings.hpp"
-
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <functional>
 
 namespace {
 
@@ -118,49 +115,47 @@ study_table front_table(const std::vector<study_row>& rows) {
 }
 
 study_table memory_table(const std::vector<study_row>& rows) {
-    return table_of(
-        {"memory", "Memory", "Working memory: the largest set of activations alive at once.", {}},
-        {method_column, size_column, count("weights, bytes", "bytes"),
-         count("working memory, bytes", "activation_bytes")},
-        rows, [](const study_row& row) { // a recipe changes no bytes
-            return !text(row, "declaration").empty() && text(row, "recipe") == "default";
-        });
+    return table_of({"memory", "Memory", "Working memory: the largest set of activations alive at once.", {}},
+                    {method_column, size_column, count("weights, bytes", "bytes"),
+                     count("working memory, bytes", "activation_bytes")},
+                    rows, [](const study_row& row) { // a recipe changes no bytes
+                        return !text(row, "declaration").empty() && text(row, "recipe") == "default";
+                    });
 }
 
 } // namespace
 
 study_table methods_table(const std::vector<study_row>& rows) {
-    return table_of(
-        {"methods",
-         "All methods",
-         "Mean ± standard deviation of the accuracy on test images (number of splits).",
-         {}},
-        {method_column, size_column, recipe_column, accuracy("random splits, %", split_rule::random),
-         accuracy("the same, reflections averaged, %", split_rule::random, "reflected_"),
-         accuracy("blocked splits, %", split_rule::blocked), paper_column,
-         fixed("µs per frame", "microseconds", 1), fixed("p99", "microseconds_p99", 1),
-         fixed("paper, ms", "published_microseconds", 0, 1e-3), count("parameters", "parameters"),
-         count("multiply-adds", "multiply_adds"), fixed("training, s", "training_seconds", 1)},
-        rows, [](const study_row&) { return true; });
+    return table_of({"methods",
+                     "All methods",
+                     "Mean ± standard deviation of the accuracy on test images (number of splits).",
+                     {}},
+                    {method_column, size_column, recipe_column,
+                     accuracy("random splits, %", split_rule::random),
+                     accuracy("the same, reflections averaged, %", split_rule::random, "reflected_"),
+                     accuracy("blocked splits, %", split_rule::blocked), paper_column,
+                     fixed("µs per frame", "microseconds", 1), fixed("p99", "microseconds_p99", 1),
+                     fixed("paper, ms", "published_microseconds", 0, 1e-3), count("parameters", "parameters"),
+                     count("multiply-adds", "multiply_adds"), fixed("training, s", "training_seconds", 1)},
+                    rows, [](const study_row&) { return true; });
 }
 
 study_table details_table(const std::vector<study_row>& rows) {
     const split_rule rule = shown_rule(rows);
-    return table_of({"details",
-                     "Details",
-                     fmt::format("Accuracies are means over {} splits. In batch: the time of a frame where "
-                                 "many pass together. Jitter: p99 ÷ median of a loop in registers that takes "
-                                 "as long as the frame; that much of p99 is the machine's.",
-                                 name_of(rule)),
-                     {}},
-                    {method_column, size_column, recipe_column,
-                     by_rule("validation, %", rule, "validation_accuracy"),
-                     by_rule("training, %", rule, "training_accuracy"),
-                     fixed("in batch, µs", "microseconds_in_batch", 1), fixed("jitter", "jitter", 2),
-                     count("multiply-adds on pixels", "multiply_adds_on_pixels"), type_column},
-                    rows, [](const study_row& row) {
-                        return has_accuracy(row) || std::isfinite(number(row, "microseconds"));
-                    });
+    return table_of(
+        {"details",
+         "Details",
+         fmt::format("Accuracies are means over {} splits. In batch: the time of a frame where "
+                     "many pass together. Jitter: p99 ÷ median of a loop in registers that takes "
+                     "as long as the frame; that much of p99 is the machine's.",
+                     name_of(rule)),
+         {}},
+        {method_column, size_column, recipe_column, by_rule("validation, %", rule, "validation_accuracy"),
+         by_rule("training, %", rule, "training_accuracy"), fixed("in batch, µs", "microseconds_in_batch", 1),
+         fixed("jitter", "jitter", 2), count("multiply-adds on pixels", "multiply_adds_on_pixels"),
+         type_column},
+        rows,
+        [](const study_row& row) { return has_accuracy(row) || std::isfinite(number(row, "microseconds")); });
 }
 
 study_table probabilities_table(const std::vector<study_row>& rows) {
@@ -181,22 +176,6 @@ study_table probabilities_table(const std::vector<study_row>& rows) {
         rows, [](const study_row& row) { return std::isfinite(number(row, "temperature")); });
 }
 
-study_table decisions_table(const std::vector<study_row>& rows) {
-    std::vector<column> columns{method_column, size_column, recipe_column};
-    for (const decision_column& c : decision_columns)
-        columns.push_back(fixed(std::string(c.title), std::string(c.name), c.is_share ? 2 : 3,
-                                c.is_share ? 100 : 1));
-    return table_of({"decisions",
-                     "From frames to decisions",
-                     fmt::format("{} All {} splits together.", decision_caption, name_of(shown_rule(rows))),
-                     {}},
-                    columns, rows, [](const study_row& row) {
-                        return std::ranges::any_of(decision_columns, [&](const decision_column& c) {
-                            return std::isfinite(number(row, c.name));
-                        });
-                    });
-}
-
 std::string study_page(const std::vector<study_row>& rows, const std::vector<page_picture>& pictures,
                        const report_subject& of) {
     std::string page = fmt::format(
@@ -207,7 +186,7 @@ std::string study_page(const std::vector<study_row>& rows, const std::vector<pag
     for (const auto& [file, caption] : pictures)
         page += fmt::format("\n![{}]({})\n\n{}\n", caption, file, caption);
     for (const study_table& t : {front_table(rows), methods_table(rows), details_table(rows),
-                                 probabilities_table(rows), decisions_table(rows), memory_table(rows)})
+                                 probabilities_table(rows), memory_table(rows)})
         if (t.cells.size() > 1)
             page += fmt::format("\n## {}\n\n{}\n\n<!-- study {} -->\n{}<!-- study {} ends -->\n", t.title,
                                 t.caption, t.name, markdown_table(t.cells), t.name);

@@ -1,18 +1,13 @@
 #include "study/pictures.hpp"
 
-#include "methods/training_settings.hpp"
 #include "reports/pictures.hpp"
-#include "reports/report.hpp"
 #include "study/published.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <iterator>
-#include <map>
-#include <utility>
 
 namespace {
 
@@ -23,8 +18,7 @@ nlohmann::ordered_json point(std::string series, double x, double accuracy, doub
                              std::string label = "") {
     std::ranges::replace(series, ',', ';');
     std::ranges::replace(label, ',', ';');
-    return {
-        {"series", series}, {"x", x}, {"accuracy", accuracy}, {"deviation", deviation}, {"label", label}};
+    return {{"series", series}, {"x", x}, {"accuracy", accuracy}, {"deviation", deviation}, {"label", label}};
 }
 nlohmann::ordered_json point(const std::string& series, double x, const study_row& row, split_rule rule) {
     return point(series, x, 100 * number(row, rule, "accuracy"), 100 * number(row, rule, "deviation"));

@@ -1,6 +1,5 @@
 #include "study/rows.hpp"
 
-#include "methods/training_settings.hpp"
 #include "reports/report.hpp"
 #include "study/published.hpp"
 
@@ -12,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace {
 
@@ -88,17 +86,14 @@ void put_accuracies(study_row& row, split_rule rule, const std::vector<const tra
 /// What the trainings on the first kind of splits that has any have in common.
 void put_together(study_row& row, const std::vector<const training_result*>& all) {
     std::vector<calibration> calibrations;
-    decision_means decisions;
     row.confusion = tactnet::confusion_matrix(row.classes.size());
     for (const training_result* r : all) {
         row.confusion.add(r->confusion);
         if (r->calibration)
             calibrations.push_back(*r->calibration);
-        add_means(decisions, r->decisions);
     }
     if (const auto found = together(calibrations))
         put_calibration(row, *found);
-    put_decisions(row, decisions);
 }
 
 study_row row_of(const candidate& c, std::size_t bits, const split_plan& plan, const std::vector<task>& tasks,
@@ -143,22 +138,19 @@ study_row row_of(const candidate& c, std::size_t bits, const split_plan& plan, c
 
 study_row make_row(const std::string& method, std::size_t rows, std::size_t columns,
                    const std::string& recipe, std::size_t bits) {
-    study_row row{{{"method", method}, {"rows", rows}, {"columns", columns}, {"recipe", recipe}, {"bits", bits}},
-                  {}};
-    const auto add = [&](std::string_view name) { row.values[std::string(name)] = nullptr; };
+    study_row row{
+        {{"method", method}, {"rows", rows}, {"columns", columns}, {"recipe", recipe}, {"bits", bits}}, {}};
     for (const split_rule rule : {split_rule::random, split_rule::blocked})
         for (const char* name :
              {"splits", "splits_wanted", "accuracy", "deviation", "validation_accuracy", "training_accuracy",
               "reflected_splits", "reflected_accuracy", "reflected_deviation"})
-            add(member(rule, name));
+            row.values[member(rule, name)] = nullptr;
     for (const char* name :
          {"microseconds", "microseconds_p99", "microseconds_in_batch", "jitter", "training_seconds",
           "parameters", "multiply_adds", "multiply_adds_on_pixels", "bytes", "activation_bytes",
           "published_accuracy", "published_deviation", "published_microseconds", "temperature",
           "softmax_calibration_error", "softmax_brier_score", "calibration_error", "brier_score"})
-        add(name);
-    for (const decision_column& column : decision_columns)
-        add(column.name);
+        row.values[name] = nullptr;
     row.values["declaration"] = "";
     return row;
 }
@@ -210,11 +202,6 @@ void put_calibration(study_row& row, const calibration& of) {
     row.values["calibration_error"] = of.after.calibration_error();
     row.values["brier_score"] = of.after.brier_score();
     row.probabilities = of;
-}
-
-void put_decisions(study_row& row, const decision_means& means) {
-    for (const auto& [name, mean] : means)
-        row.values[name] = mean.value();
 }
 
 split_rule shown_rule(const std::vector<study_row>& rows) {

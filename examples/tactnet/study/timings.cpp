@@ -8,15 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
 #include <processor.hpp>
-#include <stdexcept>
 #include <stopwatch.hpp>
-#include <string>
 #include <unistd.h>
-#include <vector>
 
 #if defined(__linux__)
 #include <sched.h>

@@ -355,16 +355,16 @@ TEST_SUITE("program") {
         says(resumed.error, "net.checkpoint: no checksum in it, so that damage may go unnoticed");
     }
 
-    TEST_CASE("evaluate: evaluations in one folder share the work") {
+    TEST_CASE("study: programs on one folder share the work") {
         const workshop shop;
-        const words arguments(
-            "evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --epochs 60 --jobs 1 "
-            "--splits 6 --results r");
+        const words arguments("study --data DATA --methods tactnet4 --sizes 7x13 --recipes default --bits 32 "
+                              "--jobs 1 --splits 6 --results r");
         const pid_t children[] = {shop.start(arguments), shop.start(arguments), shop.start(arguments)};
         for (const pid_t child : children)
             CHECK(shop.wait(child).status == 0);
         CHECK(lines_of(text_of(shop / "r" / "evaluation.jsonl")).size() == 12); // not 36
-        CHECK(lines_of(text_of(shop / "r" / "table.csv")).size() == 2);
+        CHECK(lines_of(text_of(shop / "r" / "timings.jsonl")).size() == 1);
+        CHECK(lines_of(text_of(shop / "r" / "study.csv")).size() == 2);
 
         // What a killed one had begun is done by another.
         fs::remove_all(shop / "r");
@@ -375,7 +375,8 @@ TEST_SUITE("program") {
         CHECK(shop.wait(killed).status == 1000 + SIGKILL);
         CHECK(lines_of(text_of(shop / "r" / "evaluation.jsonl")).size() == 12);
         // The lock of the killed one is taken over by the next to do that training.
-        shop.succeeds(arguments + "--afresh");
+        fs::remove(shop / "r" / "evaluation.jsonl");
+        shop.succeeds(arguments);
         for (const std::string& name : shop.everything())
             says_not(name, ".lock");
     }

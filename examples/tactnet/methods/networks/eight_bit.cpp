@@ -1,17 +1,12 @@
 #include "methods/networks/compiled.hpp"
 
 #include <tactnet/io/stored_deployed.hpp>
-#include <tactnet/training/evaluate.hpp>
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
-#include <string>
 #include <utility>
-#include <vector>
 
 namespace {
 

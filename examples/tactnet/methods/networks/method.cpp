@@ -8,8 +8,6 @@
 
 #include <tactnet/transfer/pretrained_trunk.hpp>
 
-#include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 namespace {
@@ -136,13 +134,13 @@ public:
         any_model model{code_.make(), std::vector<float>(code_.pixels()), 1, {}};
         draw_arrays(*model.network);
         std::shared_ptr<any_deployed> deployed =
-            bits == 8 ? bytes_->deploy(bytes_->calibrate(model, made_up_frames(4 * code_.pixels())).folded)
+            bits == 8 ? bytes_->deploy(bytes_->calibrate(model, made_up_touches(4, image())).folded)
                       : code_.deploy(model);
         return
-            [deployed = std::move(deployed), pixels = code_.pixels(), outputs = code_.outputs,
+            [deployed = std::move(deployed), size = image(), outputs = code_.outputs,
              frames = std::vector<std::uint8_t>(), logits = std::vector<float>()](std::size_t count) mutable {
-                if (frames.size() != count * pixels) {
-                    frames = made_up_frames(count * pixels);
+                if (frames.size() != count * size.area()) {
+                    frames = made_up_touches(count, size);
                     logits.resize(count * outputs);
                 }
                 tactnet::thread_pool alone;
@@ -187,6 +185,8 @@ public:
     }
 
 private:
+    tactnet::extent2d image() const { return {rows, columns}; }
+
     std::string type_;
     compiled_network code_;
     std::unique_ptr<compiled_eight_bit> bytes_;

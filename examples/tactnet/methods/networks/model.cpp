@@ -1,13 +1,11 @@
 #include "methods/networks/compiled.hpp"
 
 #include <tactnet/io/checkpoint.hpp>
+#include <tactnet/runtime/random.hpp>
 #include <tactnet/training/initialise.hpp>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 
 namespace {
@@ -108,6 +106,22 @@ std::vector<scored_class> classes_of_rows(std::span<const float> rows, std::size
         result.push_back({found->index, found->probability});
     }
     return result;
+}
+
+std::vector<std::uint8_t> made_up_touches(std::size_t count, tactnet::extent2d image) {
+    std::vector<std::uint8_t> pixels;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        tactnet::random_stream random(1, tactnet::random_purposes::order, i);
+        const double row = random.uniform(0, static_cast<double>(image.rows)),
+                     column = random.uniform(0, static_cast<double>(image.columns)), size = 2 + i % 22;
+        for (std::size_t y = 0; y < image.rows; ++y)
+            for (std::size_t x = 0; x < image.columns; ++x) {
+                const double dy = static_cast<double>(y) - row, dx = static_cast<double>(x) - column;
+                const double pressure = std::max(0.0, 1 - (dy * dy + dx * dx) / (size * size));
+                pixels.push_back(static_cast<std::uint8_t>(200 * pressure + random.uniform(0, 8)));
+            }
+    }
+    return pixels;
 }
 
 method_costs compiled_network::costs_for(std::size_t classes) const {

@@ -17,9 +17,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
-#include <string>
-#include <string_view>
 #include <utility>
 
 namespace {
@@ -78,27 +75,15 @@ private:
     float scale_;
 };
 
-/// Those of a trunk. Without weights they only have costs.
-class features_of_trunk final : public image_features {
-public:
-    features_of_trunk(feature_finder finder, std::shared_ptr<const trunk_features> own)
-        : finder_(std::move(finder)), own_(std::move(own)) {}
-
-    std::size_t size() const override { return finder_.size(); }
-    method_costs costs() const override { return finder_.costs(); }
-    tactnet::file_metadata form() const override { return finder_.describe(); }
-    double rounding() const override { return feature_rounding; }
-    std::vector<float> rows(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
-                            tactnet::thread_pool& threads) const override {
-        return own_->rows(images, chosen, threads);
-    }
-    void save(tactnet::safetensors_writer& writer) const override { own_->add_to(writer); }
-    void load(const weight_file& file) override { own_ = trunk_features::stored(finder_, file); }
-
-private:
-    feature_finder finder_;
-    std::shared_ptr<const trunk_features> own_;
-};
+/// body(first, how many) for some images at a time, each of which takes `bytes`: what is found of all of them
+/// can exceed the memory.
+template <class Body>
+void in_parts(std::size_t images, std::size_t bytes, const Body& body) {
+    constexpr std::size_t max_bytes = std::size_t{1} << 26U;
+    const std::size_t most = std::max<std::size_t>(1, max_bytes / bytes);
+    for (std::size_t first = 0; first < images; first += most)
+        body(first, std::min(most, images - first));
+}
 
 /// A support vector machine with its features.
 class trained_svm final : public trained_method {
@@ -232,25 +217,8 @@ private:
     tactnet::thread_pool& threads_;
 };
 
-/// As many made-up touches as the paper trains with.
+/// As many images as the paper trains with.
 constexpr std::size_t paper_classes = 22, paper_images_of_class = 32;
-
-std::vector<std::uint8_t> made_up_touches(tactnet::extent2d image) {
-    std::vector<std::uint8_t> pixels;
-    for (std::uint32_t i = 0; i < paper_classes * paper_images_of_class; ++i) {
-        tactnet::random_stream random(1, tactnet::random_purposes::order, i);
-        const double row = random.uniform(0, static_cast<double>(image.rows)),
-                     column = random.uniform(0, static_cast<double>(image.columns)),
-                     size = 2 + static_cast<double>(i % paper_classes);
-        for (std::size_t y = 0; y < image.rows; ++y)
-            for (std::size_t x = 0; x < image.columns; ++x) {
-                const double dy = static_cast<double>(y) - row, dx = static_cast<double>(x) - column;
-                const double pressure = std::max(0.0, 1 - (dy * dy + dx * dx) / (size * size));
-                pixels.push_back(static_cast<std::uint8_t>(200 * pressure + random.uniform(0, 8)));
-            }
-    }
-    return pixels;
-}
 
 class svm_method final : public method {
 public:
@@ -268,7 +236,7 @@ public:
         return finder_.trunk ? std::optional(finder_.file()) : std::nullopt;
     }
     std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path& path) const override {
-        return trunk_features::open(finder_, path);
+        return trunk_features::pretrained(finder_, path);
     }
     tactnet::file_metadata parts() const override {
         const auto features = make();
@@ -315,7 +283,7 @@ public:
             });
         }
         // The time of a machine depends on what it learnt.
-        std::vector<std::uint8_t> pixels = made_up_touches(finder_.image);
+        std::vector<std::uint8_t> pixels = made_up_touches(all.size(), finder_.image);
         svm_training run(finder_.image, make(), recipe_.options, {pixels, labels, paper_classes},
                          {all, {}, {}}, alone);
         run.advance();
@@ -330,7 +298,7 @@ public:
                                         tactnet::thread_pool& threads,
                                         const std::shared_ptr<pretrained_weights>& from) const override {
         return std::make_unique<svm_training>(finder_.image,
-                                              make(std::dynamic_pointer_cast<const trunk_features>(from)),
+                                              from ? std::dynamic_pointer_cast<trunk_features>(from) : make(),
                                               recipe_.options, images, std::move(split), threads);
     }
     std::unique_ptr<trained_method> load(const weight_file& from, std::optional<double>) const override {
@@ -355,11 +323,11 @@ public:
     }
 
 private:
-    std::unique_ptr<image_features> make(std::shared_ptr<const trunk_features> from = nullptr) const {
+    std::shared_ptr<image_features> make() const {
         if (finder_.trunk)
-            return std::make_unique<features_of_trunk>(finder_, std::move(from));
+            return std::make_shared<trunk_features>(finder_);
         if (recipe_.pixel_scale > 0)
-            return std::make_unique<pixel_features>(finder_.image.area(), recipe_.pixel_scale);
+            return std::make_shared<pixel_features>(finder_.image.area(), recipe_.pixel_scale);
         return surf_();
     }
 

@@ -9,14 +9,11 @@
 #include <tactnet/io/pretrained.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/transfer/feature_extractor.hpp>
-#include <tactnet/transfer/photograph.hpp>
 #include <tactnet/transfer/pretrained_trunk.hpp>
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <interrupt.hpp>
-#include <stdexcept>
 #include <stopwatch.hpp>
 #include <utility>
 
@@ -98,35 +95,37 @@ std::vector<float> feature_finder::find(const loaded_trunk& network, std::span<c
 }
 
 frame_work feature_finder::work(std::function<void(std::span<const float>)> use) const {
-    return [finder = *this, network = trunk->seeded(), use = std::move(use)](std::size_t frames) {
+    return [finder = *this, network = trunk->seeded(), use = std::move(use),
+            images = std::vector<std::uint8_t>()](std::size_t frames) mutable {
+        if (images.size() != frames * finder.image.area())
+            images = made_up_touches(frames, finder.image);
         tactnet::thread_pool alone;
-        use(finder.find(network, made_up_frames(frames * finder.image.area()), tactnet::all_samples(frames),
-                        alone));
+        use(finder.find(network, images, tactnet::all_samples(frames), alone));
     };
 }
 
-trunk_features::trunk_features(feature_finder finder, std::shared_ptr<tactnet::safetensors_source> file,
-                               std::string prefix)
-    : file_(std::move(file)), prefix_(std::move(prefix)), finder_(std::move(finder)) {
+void trunk_features::open(std::shared_ptr<tactnet::safetensors_source> file, std::string prefix) {
+    file_ = std::move(file), prefix_ = std::move(prefix);
     finder_.photograph = tactnet::stored_photograph_preprocessing(*file_, prefix_);
     tactnet::require_pretrained(*file_, tactnet::with_prefix(finder_.trunk->arrays(), prefix_),
                                 finder_.trunk->behind, prefix_);
 }
 
-std::shared_ptr<pretrained_weights> trunk_features::open(const feature_finder& finder,
-                                                         const std::filesystem::path& path) {
-    return std::make_shared<trunk_features>(
-        finder, std::make_shared<tactnet::safetensors_source>(tactnet::safetensors_source::open(path)), "");
+std::shared_ptr<pretrained_weights> trunk_features::pretrained(const feature_finder& finder,
+                                                               const std::filesystem::path& path) {
+    auto features = std::make_shared<trunk_features>(finder);
+    features->open(std::make_shared<tactnet::safetensors_source>(tactnet::safetensors_source::open(path)),
+                   "");
+    return features;
 }
 
-std::shared_ptr<const trunk_features> trunk_features::stored(const feature_finder& finder,
-                                                             const weight_file& file) {
+void trunk_features::load(const weight_file& file) {
     if (!file.trunk)
         throw tactnet::file_error(file.arrays.file(), "",
                                   fmt::format("arrays of {}, whose names begin with '{}'",
-                                              finder.trunk->network.title, trunk_prefix),
+                                              finder_.trunk->network.title, trunk_prefix),
                                   "none");
-    return std::make_shared<trunk_features>(finder, file.trunk, std::string(trunk_prefix));
+    open(file.trunk, std::string(trunk_prefix));
 }
 
 const loaded_trunk& trunk_features::network() const {
@@ -139,13 +138,13 @@ const loaded_trunk& trunk_features::network() const {
 std::vector<float> trunk_features::rows(std::span<const std::uint8_t> images,
                                         std::span<const std::size_t> chosen,
                                         tactnet::thread_pool& threads) const {
-    if (!kept_ || images.data() != kept_images_.data() || images.size() != kept_images_.size())
+    if (images.data() != kept_images_.data() || images.size() != kept_images_.size())
         return finder_.find(network(), images, chosen, threads);
     const std::size_t size = finder_.size();
     std::vector<float> result;
     result.reserve(chosen.size() * size);
     for (const std::size_t image : chosen) {
-        const auto row = std::span(*kept_).subspan(image * size, size);
+        const auto row = std::span(kept_).subspan(image * size, size);
         result.insert(result.end(), row.begin(), row.end());
     }
     return result;
@@ -181,48 +180,45 @@ bool trunk_features::prepare(const image_data& data, const std::filesystem::path
         folder / fmt::format("{}_{}x{}_{}.features", finder_.trunk->network.name, finder_.image.rows,
                              finder_.image.columns, fingerprint_of(settings));
     const std::size_t count = data.images.size();
-    std::vector<float> found;
     claims alone;
+    kept_images_ = {}; // until all of its rows are there
+    kept_.clear();
     if (!folder.empty()) {
         make_folder_of(path);
         if (!wait_until([&] { return alone.take(path); },
                         "waiting for the features that another program finds, " + printable(path.string())))
             return false;
-        found = read_kept(path, settings, count);
+        kept_ = read_kept(path, settings, count);
     }
-    if (found.empty()) {
+    if (kept_.empty()) {
         progress line;
         const stopwatch watch;
-        const auto show = [&](std::size_t done) {
-            line.show(fmt::format("{} features of {} of {} images, {}", finder_.trunk->network.title, done,
-                                  count, time_left(watch.seconds(), done, count - done)),
-                      done == count);
+        const auto proceed = [&](std::size_t done) {
+            if (done > 0)
+                line.show(fmt::format("{} features of {} of {} images, {}", finder_.trunk->network.title,
+                                      done, count, time_left(watch.seconds(), done, count - done)),
+                          done == count);
+            return !interrupted();
         };
-        found = finder_.find(network(), data.images.pixels, tactnet::all_samples(count), threads,
-                             [&](std::size_t done) {
-                                 if (done > 0)
-                                     show(done);
-                                 return !interrupted();
-                             });
-        line.end_line();
-        if (interrupted())
+        kept_ = finder_.find(network(), data.images.pixels, tactnet::all_samples(count), threads, proceed);
+        if (!proceed(count)) {
+            line.end_line();
             return false;
-        show(count);
+        }
         if (!folder.empty()) {
             tactnet::safetensors_writer writer;
             writer.metadata = settings;
-            writer.add("features", {count, finder_.size()}, std::span<const float>(found));
+            writer.add("features", {count, finder_.size()}, std::span<const float>(kept_));
             writer.write(path);
         }
     }
-    kept_ = std::make_shared<const std::vector<float>>(std::move(found));
     kept_images_ = data.images.pixels;
     const std::lock_guard lock(mutex_);
     network_ = nullptr; // which may be large; other images load it again
     return true;
 }
 
-void trunk_features::add_to(tactnet::safetensors_writer& writer) const {
+void trunk_features::save(tactnet::safetensors_writer& writer) const {
     const auto add = [&](const std::string& name) {
         const auto& entry = file_->at(prefix_ + name);
         writer.add(std::string(trunk_prefix) + name, entry.type, entry.extents,

@@ -3,6 +3,7 @@
 // Features of images by a trunk.
 
 #include "data/image_data.hpp"
+#include "methods/support_vector_machines/features.hpp"
 #include "methods/trunks/compiled.hpp"
 
 #include <tactnet/io/safetensors/writer.hpp>
@@ -48,31 +49,39 @@ struct feature_finder {
     static constexpr std::size_t together = 16;
 };
 
+/// The part of the largest value by which what is found from features may differ on another processor: a
+/// pixel of the photograph that lies half-way between two counts may be rounded to either.
+inline constexpr double feature_rounding = 0.02;
+
 /// A trunk with weights in a file, and its features of images of one size. The file is read when the first
 /// image needs it. Const calls may come from any number of threads.
-class trunk_features final : public pretrained_weights {
+class trunk_features final : public image_features, public pretrained_weights {
 public:
-    /// Throws tactnet::file_error unless the file has the arrays of the trunk, their names after `prefix`.
-    trunk_features(feature_finder finder, std::shared_ptr<tactnet::safetensors_source> file,
-                   std::string prefix);
+    /// Without weights, which `open` or `load` give.
+    explicit trunk_features(feature_finder finder) : finder_(std::move(finder)) {}
+    /// Takes a file with the arrays of the trunk, their names after `prefix`. Throws tactnet::file_error.
+    void open(std::shared_ptr<tactnet::safetensors_source> file, std::string prefix);
     /// A file of pretrained weights. Throws tactnet::file_error.
-    static std::shared_ptr<pretrained_weights> open(const feature_finder& finder,
-                                                    const std::filesystem::path& path);
-    /// The trunk in the weight file of a method on its features. Throws tactnet::file_error where there is
-    /// none.
-    static std::shared_ptr<const trunk_features> stored(const feature_finder& finder,
-                                                        const weight_file& file);
+    static std::shared_ptr<pretrained_weights> pretrained(const feature_finder& finder,
+                                                          const std::filesystem::path& path);
+
+    std::size_t size() const override { return finder_.size(); }
+    method_costs costs() const override { return finder_.costs(); }
+    tactnet::file_metadata form() const override { return finder_.describe(); }
+    double rounding() const override { return feature_rounding; }
+    /// The trunk in the weight file of a method on its features.
+    void load(const weight_file& file) override;
+    /// The trunk's arrays, as they are in the file. The writer reads them when it writes.
+    void save(tactnet::safetensors_writer& writer) const override;
 
     bool prepare(const image_data& data, const std::filesystem::path& folder,
                  tactnet::thread_pool& threads) override;
 
     /// A row for each of the chosen images. Throws std::runtime_error for features that are not finite.
     std::vector<float> rows(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
-                            tactnet::thread_pool& threads) const;
+                            tactnet::thread_pool& threads) const override;
     /// The rows of all images that it was prepared for.
-    std::shared_ptr<const std::vector<float>> all_rows() const { return kept_; }
-    /// The trunk's arrays, as they are in the file. The writer reads them when it writes.
-    void add_to(tactnet::safetensors_writer& writer) const;
+    const std::vector<float>& all_rows() const { return kept_; }
 
 private:
     const loaded_trunk& network() const;
@@ -86,12 +95,8 @@ private:
     mutable std::mutex mutex_; ///< of the file and of what is made of it
     mutable loaded_trunk network_;
     std::span<const std::uint8_t> kept_images_;
-    std::shared_ptr<const std::vector<float>> kept_; ///< the rows of these images
+    std::vector<float> kept_; ///< the rows of these images
 };
-
-/// The part of the largest value by which what is found from features may differ on another processor: a
-/// pixel of the photograph that lies half-way between two counts may be rounded to either.
-inline constexpr double feature_rounding = 0.02;
 
 /// Heads on the trunks, for images of one size.
 std::vector<std::unique_ptr<method>>

@@ -5,8 +5,6 @@
 
 #include <tactnet/svm/feature_rows.hpp>
 
-#include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 namespace {
@@ -15,46 +13,25 @@ namespace {
 class trained_trunk_head final : public trained_method {
 public:
     trained_trunk_head(const compiled_network& head, tactnet::extent2d image,
-                       std::shared_ptr<const trunk_features> features, any_model model)
+                       std::shared_ptr<trunk_features> features, any_model model)
         : head_(head), image_(image), features_(std::move(features)), model_(std::move(model)) {}
 
     const std::vector<std::string>& classes() const override { return model_.classes; }
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
                                  tactnet::thread_pool& threads,
                                  tactnet::test_time_augmentation) const override {
-        tactnet::evaluation result{0, tactnet::confusion_matrix(images.classes), {}, {}};
-        in_parts(
-            chosen.size(), model_.mean.size() * sizeof(float), [&](std::size_t first, std::size_t count) {
-                const auto some = chosen.subspan(first, count);
-                const std::vector<float> rows = features_->rows(images.pixels, some, threads);
-                std::vector<std::size_t> labels;
-                for (const std::size_t image : some)
-                    labels.push_back(images.labels[image]);
-                const tactnet::evaluation part =
-                    tactnet::evaluate(*model_.network, model_.mean, model_.scale,
-                                      tactnet::labelled_features{rows, labels, images.classes},
-                                      tactnet::all_samples(count), threads);
-                result.logits.insert(result.logits.end(), part.logits.begin(), part.logits.end());
-                result.loss += part.loss * static_cast<double>(count) / static_cast<double>(chosen.size());
-                for (std::size_t i = 0; i < count; ++i) {
-                    result.recognised.push_back(part.recognised[i]);
-                    result.confusion.add(labels[i], part.recognised[i]);
-                }
-            });
-        return result;
+        const std::vector<float> rows = features_->rows(images.pixels, chosen, threads);
+        std::vector<std::size_t> labels;
+        for (const std::size_t image : chosen)
+            labels.push_back(images.labels[image]);
+        return tactnet::evaluate(*model_.network, model_.mean, model_.scale,
+                                 tactnet::labelled_features{rows, labels, images.classes},
+                                 tactnet::all_samples(chosen.size()), threads);
     }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
                                         const tactnet::temperature_scaling& scaling,
                                         tactnet::thread_pool& threads) const override {
-        std::vector<scored_class> result;
-        in_parts(tactnet::detail::count_images(images.size(), image_.area()),
-                 model_.mean.size() * sizeof(float), [&](std::size_t first, std::size_t count) {
-                     const auto some = images.subspan(first * image_.area(), count * image_.area());
-                     for (const scored_class& found :
-                          classes_of_rows(logits(some, threads), classes().size(), classes().size(), scaling))
-                         result.push_back(found);
-                 });
-        return result;
+        return classes_of_rows(logits(images, threads), classes().size(), classes().size(), scaling);
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {
@@ -63,7 +40,7 @@ public:
         writer.metadata = metadata;
         tactnet::add_model(writer, parts, selftest,
                            [&](std::span<const std::uint8_t> images) { return logits(images); });
-        features_->add_to(writer);
+        features_->save(writer);
         writer.write(path);
     }
     /// Throws tactnet::file_error when images in the file do not give their logits.
@@ -90,7 +67,7 @@ private:
 
     const compiled_network& head_;
     tactnet::extent2d image_;
-    std::shared_ptr<const trunk_features> features_;
+    std::shared_ptr<trunk_features> features_;
     any_model model_;
 };
 
@@ -105,7 +82,7 @@ public:
     bool keeps_features() const override { return true; }
     std::optional<pretrained_file> pretrained() const override { return finder_.file(); }
     std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path& path) const override {
-        return trunk_features::open(finder_, path);
+        return trunk_features::pretrained(finder_, path);
     }
     tactnet::recipe default_recipe() const override { return tactnet::recipe::on_features(); }
     tactnet::file_metadata parts() const override { return finder_.describe(); }
@@ -118,43 +95,36 @@ public:
     }
     std::size_t learnable(std::size_t classes) const override { return head().costs_for(classes).parameters; }
     frame_work make_work(std::size_t) const override {
-        std::shared_ptr<tactnet::trainable> own = head().make();
-        draw_arrays(*own);
-        std::shared_ptr<tactnet::trainable::workspace> space = own->make_workspace();
-        tactnet::thread_pool threads;
-        own->prepare(threads, *space);
         const std::size_t size = finder_.size();
-        return finder_.work(
-            [own, space, size, in = tactnet::sample_batch(size),
-             out = tactnet::sample_batch(own->outputs())](std::span<const float> features) mutable {
-                const std::size_t count = features.size() / size;
-                in.resize(count), out.resize(count);
-                for (std::size_t i = 0; i < count; ++i)
-                    in.set(i, features.subspan(i * size, size));
-                tactnet::thread_pool alone;
-                own->logits(in, out, alone, *space);
-            });
+        const auto model = std::make_shared<any_model>(
+            any_model{head().make(), std::vector<float>(size), 1, std::vector<std::string>(capacity)});
+        draw_arrays(*model->network);
+        return finder_.work([model, size](std::span<const float> found) {
+            static_cast<void>(logits_of(*model, found.size() / size, [&](std::size_t i, std::span<float> to) {
+                std::ranges::copy(found.subspan(i * size, size), to.begin());
+            }));
+        });
     }
     std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,
                                         tactnet::data_split split, std::uint64_t seed,
                                         tactnet::thread_pool& threads,
                                         const std::shared_ptr<pretrained_weights>& from) const override {
-        const auto features = std::dynamic_pointer_cast<const trunk_features>(from);
-        const auto rows_of_all = features->all_rows();
+        const auto features = std::dynamic_pointer_cast<trunk_features>(from);
         return std::make_unique<epoch_training>(
-            head().make(), recipe, tactnet::labelled_features{*rows_of_all, images.labels, images.classes},
-            std::move(split), seed, threads,
-            [this, features](any_model best) {
+            head().make(), recipe,
+            tactnet::labelled_features{features->all_rows(), images.labels, images.classes}, std::move(split),
+            seed, threads, [this, features](any_model best) {
                 return std::make_unique<trained_trunk_head>(head(), finder_.image, features, std::move(best));
-            },
-            rows_of_all);
+            });
     }
     std::unique_ptr<trained_method> load(const weight_file& file,
                                          std::optional<double> epsilon) const override {
         require_metadata(file.arrays, finder_.describe());
         any_model model = load_model(head(), file.arrays, {rows, columns}, epsilon);
-        auto trained = std::make_unique<trained_trunk_head>(
-            head(), finder_.image, trunk_features::stored(finder_, file), std::move(model));
+        auto features = std::make_shared<trunk_features>(finder_);
+        features->load(file);
+        auto trained = std::make_unique<trained_trunk_head>(head(), finder_.image, std::move(features),
+                                                            std::move(model));
         trained->check_selftest(file.arrays);
         return trained;
     }

@@ -8,12 +8,9 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <chrono>
-#include <csignal>
 #include <cstddef>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 using namespace support;
@@ -26,23 +23,6 @@ words study(const std::string& results_and_more) {
                   "--bits 32 --results " +
                   results_and_more)
                      .c_str());
-}
-
-/// What of the table does not depend on the machine or the hour: all up to the first time.
-std::vector<std::string> accuracies_in(const std::string& csv) {
-    std::vector<std::string> lines = lines_of(csv);
-    const std::string head = lines.at(0);
-    const std::size_t end = head.find(",microseconds");
-    const auto columns = static_cast<std::size_t>(
-                             std::count(head.begin(), head.begin() + static_cast<std::ptrdiff_t>(end), ',')) +
-                         1;
-    for (std::string& line : lines) {
-        std::size_t place = 0;
-        for (std::size_t c = 0; c < columns; ++c)
-            place = line.find(',', place) + 1;
-        line.resize(place - 1);
-    }
-    return lines;
 }
 
 /// A line as it was before it was given a checksum, its last member.
@@ -70,24 +50,14 @@ TEST_SUITE("program") {
         CHECK(lines_of(text_of(shop / "s/confusion.csv"))[0] == "true class,left,\"middle, of all\",right");
         says(first.out, "svm-linear");
 
-        // The page stands alone, and says all of it.
-        const std::string page = text_of(shop / "s/study.html");
-        CHECK(page.starts_with("<!DOCTYPE html>"));
-        CHECK(page.ends_with("</html>\n"));
-        for (const std::string_view part :
-             {"tactnet4", "svm-linear", "tactnet::tactnet4&lt;tactnet::shape{7, 13}, 22&gt;",
-              "<th>validation, %</th>"})
-            says(page, part);
-        for (const std::string_view foreign : {"src=", "href=\"http", "url(", "@import"})
-            says_not(page, foreign);
-        if (fs::exists(shop / "s/accuracy_and_time.png")) // where there is gnuplot
-            says(page, "<svg");
-
-        // Tables for a README, each between comments.
-        const std::string tables = text_of(shop / "s/study.md");
+        // The page: tables between comments, pictures where there is gnuplot.
+        const std::string page = text_of(shop / "s/study.md");
         for (const std::string_view part : {"<!-- study front -->\n| method |", "<!-- study front ends -->\n",
-                                            "| tactnet4 | 7 × 13 | default |", "| svm-linear | 7 × 13 |"})
-            says(tables, part);
+                                            "| tactnet4 | 7 × 13 | default |", "| svm-linear | 7 × 13 |",
+                                            "| `tactnet::tactnet4<tactnet::shape{7, 13}, 22>` |"})
+            says(page, part);
+        if (fs::exists(shop / "s/accuracy_and_time.png"))
+            says(page, "](accuracy_and_time.png)");
 
         const auto before = text_of(shop / "s/study.csv");
         const outcome second = shop.succeeds(study("s"));
@@ -110,7 +80,6 @@ TEST_SUITE("program") {
         CHECK(rows[1].find("\"random_splits\":2,") != std::string::npos);
         const std::string tables = text_of(shop / "s/study.md");
         says(tables, "| tactnet4 in 8 bits | 7 × 13 | default |");
-        says(text_of(shop / "s/study.html"), ">tactnet4 in 8 bits</td>");
 
         // It weighs less than a third, so a budget of bytes finds it.
         const outcome small = shop.succeeds("recommend --results s --bytes 12000");
@@ -122,53 +91,21 @@ TEST_SUITE("program") {
         CHECK(lines_of(text_of(shop / "s/study.jsonl")).size() == 1);
     }
 
-    TEST_CASE("study: parts of several machines give the table of one, to the last digit") {
-        const workshop shop;
-        shop.succeeds(study("whole"));
-        for (const char* part : {"1", "2"}) {
-            const outcome run = shop.succeeds(study("part" + std::string(part) + " --shard " + part + "/2"));
-            says(run.error, "4 trainings to do, of 8 in all");
-        }
-        const outcome merged = shop.succeeds(study("merged --merge part1,part2 --report-only"));
-        CHECK(accuracies_in(text_of(shop / "merged/study.csv")) ==
-              accuracies_in(text_of(shop / "whole/study.csv")));
-        CHECK(lines_of(text_of(shop / "merged/evaluation.jsonl")).size() == 8);
-        says(merged.error, "\nwarning: 8 of 8 trainings are there, 0 of 2 methods are timed\n");
-        // Again: nothing is doubled.
-        shop.succeeds(study("merged --merge part1,part2 --report-only"));
-        CHECK(lines_of(text_of(shop / "merged/evaluation.jsonl")).size() == 8);
-    }
-
-    TEST_CASE("study: killed, it goes on with what is left, and so do two programs on one folder") {
-        const workshop shop;
-        shop.succeeds(study("whole"));
-        const pid_t child = shop.start(study("killed --jobs 1"));
-        for (int i = 0; i < 60'000 && !fs::exists(shop / "killed/evaluation.jsonl"); ++i)
-            std::this_thread::sleep_for(std::chrono::milliseconds(2));
-        shop.stop(child, SIGKILL);
-        const pid_t one = shop.start(study("killed --jobs 1")), other = shop.start(study("killed --jobs 1"));
-        CHECK(shop.wait(one).status == 0);
-        CHECK(shop.wait(other).status == 0);
-        CHECK(lines_of(text_of(shop / "killed/timings.jsonl")).size() == 2); // one of them timed
-        CHECK(lines_of(text_of(shop / "killed/evaluation.jsonl")).size() == 8);
-        CHECK(accuracies_in(text_of(shop / "killed/study.csv")) ==
-              accuracies_in(text_of(shop / "whole/study.csv")));
-    }
-
     TEST_CASE("study: blocked splits alone, and fewer splits than were asked for, are shown as that") {
         const workshop shop;
         const outcome blocked = shop.succeeds(study("s --split blocked"));
-        says(text_of(shop / "s/study.html"), "Test accuracy over blocked splits");
+        says(text_of(shop / "s/study.md"), "more accurate, over blocked splits.");
         words more = study("s --split blocked --report-only");
         *(std::find(more.begin(), more.end(), "--splits") + 1) = "5";
         const outcome fewer = shop.succeeds(more);
         says(fewer.out, " (2 of 5)");
         CHECK(fewer.error.starts_with("warning: 4 of 10 trainings are there, 2 of 2 methods are timed\n"));
-        says(text_of(shop / "s/study.html"), " (2 of 5)</td>");
+        says(text_of(shop / "s/study.md"), " (2 of 5) |");
 
         // Of another kind of split nothing is there: rows without accuracies, or none.
-        says(shop.run(study("s --split random --report-only")).out, "not trained yet");
-        const outcome none = shop.succeeds(study("s --split random --report-only --only-trained"));
+        shop.succeeds(study("s --split random --report-only"));
+        CHECK(lines_of(text_of(shop / "s/study.csv")).size() == 3);
+        shop.succeeds(study("s --split random --report-only --only-trained"));
         CHECK(text_of(shop / "s/study.csv").empty());
     }
 
@@ -191,38 +128,25 @@ TEST_SUITE("program") {
         says(report.error, "warning: " + whose + ", not by this program\n");
         says(report.error, "warning: times are by another program: ");
         says(text_of(shop / "s/study.md"), whose);
-        CHECK(text_of(shop / "s/study.html").find("scalar_sse2; tactnet 0.0.9") != std::string::npos);
+        says(text_of(shop / "s/study.md"), "scalar_sse2; tactnet 0.0.9");
         // A study that trains takes none of them.
-        says(shop.run(study("s --shard 1/2")).error, "4 trainings to do, of 8 in all");
-    }
-
-    TEST_CASE("study: what cannot be had has its row, with the reason") {
-        const workshop shop;
-        const words both(
-            "study --data DATA --methods svm-linear,squeezenet-svm --sizes 7x13 --splits 1 --results s");
-        const outcome run = shop.succeeds(both);
-        const std::string reason =
-            "needs SqueezeNet 1.1 trained on photographs, --pretrained squeezenet=FILE";
-        says(run.out, "squeezenet-svm 7x13: " + reason);
-        says(text_of(shop / "s/study.html"), reason);
-        says(text_of(shop / "s/study.csv"), reason);
-        shop.succeeds(both + "--report-only --only-trained");
-        says_not(text_of(shop / "s/study.csv"), "squeezenet");
+        says(shop.succeeds(study("s")).error, "8 trainings to do, of 8 in all");
     }
 
     TEST_CASE("study: what it cannot take is said") {
         const workshop shop;
+        const outcome left_out = shop.succeeds(
+            "study --data DATA --methods svm-linear,squeezenet-svm --sizes 7x13 --splits 1 --results t");
+        says(left_out.error,
+             "squeezenet-svm 7x13 is left out: it needs SqueezeNet 1.1 trained on photographs, "
+             "--pretrained squeezenet=FILE");
+        CHECK(lines_of(text_of(shop / "t/study.csv")).size() == 2);
         shop.refuses_each({
-            {study("s --shard 3/2"), "--shard: expected a part of all such as 1/4, from 1 on, found '3/2'"},
-            {study("s --shard 0/2"), "found '0/2'"},
-            {study("s --shard +1/2"), "found '+1/2'"},
+            {"study --data DATA --methods squeezenet-svm", "expected something to study, found nothing"},
             {study("s --pretrained resnet=x"),
              "--pretrained: expected a network and its file, such as squeezenet=FILE, found 'resnet=x'"},
             {"study --data DATA --methods tactnet5", "--methods: tactnet5 not in {"},
             {"study --data DATA --sizes 1x1", "--sizes: 1x1 not in {"},
-            {study("s --merge nowhere"),
-             "--merge: expected a folder of results, found no nowhere/evaluation.jsonl"},
-            {study("s --report-only --shard 1/2"), "--shard excludes --report-only"},
         });
     }
 

@@ -58,22 +58,6 @@ TEST_SUITE("program") {
         CHECK_THROWS(two.decide(std::vector{std::numeric_limits<double>::quiet_NaN()}));
     }
 
-    TEST_CASE("support_vector_machine: of two classes, from outside") {
-        const workshop shop;
-        fs::remove_all(shop.data() / "right");
-        for (const char* name : {"svm-linear", "svm-rbf"}) {
-            shop.trains({"--method", name, "--output", name});
-            const auto score = [&](const char* folder, const std::string& found) {
-                const outcome result = shop.succeeds(
-                    {"classify", "--weights", name, (shop.data() / folder / "image1.png").string()});
-                says(result.out, found);
-                return std::stod(result.out.substr(result.out.rfind(',') + 1));
-            };
-            CHECK(score("left", ",0,left,") > 0);
-            CHECK(score("middle, of all", ",1,\"middle, of all\",") > 0);
-        }
-    }
-
     TEST_CASE("support_vector_machine: trained, the file is evaluated and classifies") {
         const workshop shop;
         write_png(shop / "large.png", 14, 26, std::vector<std::uint8_t>(14 * 26, 50));

@@ -9,15 +9,12 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <files/claims.hpp>
 #include <iterator>
 #include <limits>
 #include <string>
 #include <support/files/data_folder.hpp>
-#include <system_error>
-#include <thread>
 #include <vector>
 
 using namespace support;
@@ -41,7 +38,6 @@ void check_from_end_to_end(const std::string& method, element_type type) {
     const outcome trained =
         shop.succeeds(training(shop, method, "net", "--validation 0 --test 0.3 --self-test 1"));
     says(trained.error, "features of 9 of 9 images");
-    CHECK_FALSE(fs::exists(shop / "net.features"));
     {
         const auto file = tactnet::safetensors_source::open(shop / "net");
         CHECK(file.metadata().at("network") == method);
@@ -85,45 +81,7 @@ TEST_SUITE("program") {
             check_from_end_to_end<tactnet::vgg16_fc6<shape{224, 224, 3}>>(method, element_type::float16);
     }
 
-    TEST_CASE("trunk: stopped while features are found and run again, the same bits") {
-        const workshop shop;
-        if (!knows(shop, "squeezenet-pooled-rbf"))
-            return;
-        write_pretrained<squeezenet>(shop / "pretrained");
-        const auto arguments = [&](const char* output, const char* threads) {
-            return training(shop, "squeezenet-pooled-rbf", output, {"--threads", threads});
-        };
-        shop.succeeds(arguments("whole", "3"));
-        for (const int signal : {SIGINT, SIGKILL}) {
-            CAPTURE(signal);
-            const pid_t child = shop.start(arguments("net", "1"));
-            std::error_code none;
-            // 16 images pass together: some are there, others are not yet.
-            for (int i = 0; i < 60'000; ++i) {
-                const auto size = fs::file_size(shop / "net.features", none);
-                if (!none && size > 1024 * sizeof(float))
-                    break;
-                std::this_thread::sleep_for(std::chrono::milliseconds(2));
-            }
-            const outcome stopped = shop.stop(child, signal);
-            CHECK(stopped.status == (signal == SIGINT ? 130 : 1000 + SIGKILL));
-            if (signal == SIGINT)
-                says(stopped.error, "stopped; the same command goes on with what is left, from net.features");
-            CHECK_FALSE(fs::exists(shop / "net"));
-            CHECK(fs::file_size(shop / "net.features") < 36 * 1024 * sizeof(float));
-        }
-        shop.succeeds(arguments("net", "2"));
-        CHECK(text_of(shop / "net") == text_of(shop / "whole"));
-        CHECK_FALSE(fs::exists(shop / "net.features"));
-
-        // Someone else's file of that name is not touched.
-        tactnet::write_file(shop / "net.features", std::string_view("mine"));
-        shop.refuses(arguments("net", "1"),
-                     "net.features: expected a file of features, or none, found another file");
-        CHECK(text_of(shop / "net.features") == "mine");
-    }
-
-    TEST_CASE("trunk: a head that was stopped between epochs goes on, the same bits") {
+    TEST_CASE("trunk: a head that was stopped and run again, the same bits on any number of threads") {
         const workshop shop;
         if (!knows(shop, "squeezenet-pooled-nn"))
             return;
@@ -132,30 +90,26 @@ TEST_SUITE("program") {
             return training(shop, "squeezenet-pooled-nn", output,
                             words("--epochs 400 --checkpoint-every 1e-9") + more);
         };
-        shop.succeeds(arguments("whole", "--threads 2"));
-        const auto stop_at = [&](const char* file, int signal) {
-            const pid_t child = shop.start(arguments("net", {}));
-            shop.wait_for_file(file);
-            const outcome stopped = shop.stop(child, signal);
-            REQUIRE_FALSE(fs::exists(shop / "net"));
-            return stopped.error;
-        };
-        says(stop_at("net.features", SIGINT),
-             "the same command goes on with what is left, from net.features");
+        shop.succeeds(arguments("whole", "--threads 3"));
+        // While features are found, 16 images at a time, and between epochs.
+        const pid_t child = shop.start(arguments("net", {}));
+        shop.wait_for(child, "features of 16 of");
+        const outcome stopped = shop.stop(child, SIGINT);
+        CHECK(stopped.status == 130);
+        says(stopped.error, "stopped before the training");
         CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
-        stop_at("net.checkpoint", SIGKILL);
-        // What another training cannot go on from it does not touch.
-        const std::string kept = text_of(shop / "net.features");
+        const pid_t other = shop.start(arguments("net", {}));
+        shop.wait_for_file("net.checkpoint");
+        shop.stop(other, SIGKILL);
+        REQUIRE_FALSE(fs::exists(shop / "net"));
         fs::rename(shop.image(), shop / "away.png");
         const outcome refused = shop.run(arguments("net", {"--resume"}));
         fs::rename(shop / "away.png", shop.image());
         CHECK(refused.status == 2);
         says(refused.error, "net.checkpoint: setting 'data' of the stopped training: expected '");
-        CHECK(text_of(shop / "net.features") == kept);
-        says_not(shop.succeeds(arguments("net", {"--resume"})).error, "features of");
+        shop.succeeds(arguments("net", {"--resume"}));
         CHECK(text_of(shop / "net") == text_of(shop / "whole"));
-        for (const char* gone : {"net.features", "net.checkpoint"})
-            CHECK_FALSE(fs::exists(shop / gone));
+        CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
         CHECK(fs::exists(shop / "net.learning.csv"));
     }
 
@@ -189,29 +143,23 @@ TEST_SUITE("program") {
         const std::string file = only_file_in(shop / "results/features"), whole = text_of(file);
         const auto first = results();
         CHECK(first.size() == 12);
-        // What a killed program has locked goes.
-        const fs::path lock = shop / "results/features/.tactnet-0123456789abcdef.lock";
-        tactnet::write_file(lock, "");
         // Nothing is left to do; then another machine on the same features; then all again, one by one.
         CHECK_FALSE(finds(evaluate(all)));
-        CHECK_FALSE(fs::exists(lock));
         CHECK_FALSE(finds(evaluate("squeezenet-pooled-rbf")));
         CHECK_FALSE(finds(evaluate(all, "--jobs 1 --afresh")));
         CHECK(results() == first);
         CHECK(text_of(file) == whole);
 
-        const auto evaluate_damaged = [&](std::size_t place, const std::string& sentence) {
+        for (const std::size_t place : {whole.size() / 2, std::size_t{40}}) {
             std::string bytes = whole;
             bytes[place] = static_cast<char>(bytes[place] ^ 1);
             tactnet::write_file(file, bytes);
             const outcome result = evaluate(all, "--jobs 3 --afresh");
-            says(result.error, sentence);
+            says(result.error, "features of something else, or damaged; all are found anew");
             CHECK(finds(result));
             CHECK(text_of(file) == whole);
             CHECK(results() == first);
-        };
-        evaluate_damaged(whole.size() / 2, "features of 1 of 15 images are damaged, and found anew");
-        evaluate_damaged(40, "features of something else, or damaged; all are found anew");
+        }
 
         // One program at a time finds them.
         claims mine;
