@@ -17,15 +17,12 @@ struct export_options {
     std::size_t bits = 32;
 };
 
-/// The frames of the file's self-test, or a bright bar.
+/// The frames of the file's self-test, or a made-up one.
 std::vector<std::uint8_t> selftest_frames(const std::string& path, const method& what) {
     const tactnet::safetensors file = tactnet::safetensors::read(path);
     if (file.contains("selftest.input")) // of the right size, or the network would not have been loaded
         return file.values<std::uint8_t>("selftest.input");
-    std::vector<std::uint8_t> frame(what.rows * what.columns);
-    for (std::size_t i = 0; i < frame.size(); ++i)
-        frame[i] = i % what.columns / 3 == 1 ? 150 : 0;
-    return frame;
+    return made_up_touches(1, {what.rows, what.columns});
 }
 
 /// Whether the output is a weight file; else it is a header.

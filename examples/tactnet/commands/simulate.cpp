@@ -29,10 +29,6 @@ struct simulate_options {
     std::uint64_t seed = 1;
 };
 
-const simulated_scene& scene_of(std::string_view name) {
-    return *std::ranges::find(simulated_scenes(), name, &simulated_scene::name); // CLI11 has checked the name
-}
-
 /// Throws file_error where the folder's note says anything else.
 void check_note(const std::filesystem::path& note, const std::string& says) {
     check_no_device(note);
@@ -86,7 +82,7 @@ void claim_folder(const simulate_options& o) {
 }
 
 int simulate(const simulate_options& o) {
-    const simulated_scene& scene = scene_of(o.scene);
+    const simulated_scene& scene = *std::ranges::find(simulated_scenes(), o.scene, &simulated_scene::name);
     claim_folder(o);
     catch_interrupts();
     tactnet::thread_pool threads(o.threads);

@@ -114,7 +114,7 @@ bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& resu
     claims mine;
     progress line;
     std::exception_ptr failure;
-    std::size_t done_here = 0;
+    std::size_t running = 0, done_here = 0;
     bool told_to_wait = false;
     const auto name_for = [&](const task& t) {
         return results.path().parent_path() / fingerprint_of(t.settings);
@@ -138,15 +138,15 @@ bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& resu
         }
         return nullptr;
     };
-    std::size_t running = 0;
     const auto keep = [&](const task& t, std::vector<training_result> found) {
         const double accuracy = found.back().confusion.accuracy();
         for (training_result& result : found)
             if (results.find(result.settings) == nullptr) // single precision may be there from before
                 results.add(std::move(result));
         const std::size_t done = tasks.size() - left.size() - running;
+        ++done_here;
         line.show(fmt::format("{} of {} trainings, {}: {:.2f} %, {}", done, tasks.size(), title_of(t),
-                              100 * accuracy, time_left(watch.seconds(), ++done_here, tasks.size() - done)),
+                              100 * accuracy, time_left(watch.seconds(), done_here, tasks.size() - done)),
                   done == tasks.size());
     };
     const auto do_one = [&](const task& t) {
@@ -200,8 +200,7 @@ bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& resu
         try {
             while (workers.size() + 1 < wanted)
                 workers.emplace_back(work);
-        } catch (
-            const std::exception&) { // no thread or no memory; results do not depend on how many there are
+        } catch (const std::exception&) { // no thread or no memory: fewer give the same results
             const std::lock_guard lock(mutex);
             line.end_line();
             tell("the system refuses more threads: {} trainings at a time in place of {}\n",

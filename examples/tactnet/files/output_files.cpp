@@ -118,7 +118,7 @@ void check_regular(const std::vector<named_file>& outputs) {
 
 std::vector<named_file> picture_files(const std::string& option, const fs::path& stem) {
     std::vector<named_file> files;
-    for (const char* ending : {".csv", ".png", ".gp"})
+    for (const char* ending : {".csv", ".png"})
         files.push_back({option, stem.string() + ending});
     return files;
 }

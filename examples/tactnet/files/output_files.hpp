@@ -22,7 +22,7 @@ void check_outputs(const std::vector<named_file>& inputs, const std::vector<name
 /// removed.
 void check_regular(const std::vector<named_file>& outputs);
 
-/// What drawing a picture leaves: STEM.csv and others.
+/// What drawing a picture leaves: STEM.csv and STEM.png.
 std::vector<named_file> picture_files(const std::string& option, const std::filesystem::path& stem);
 
 /// Makes the folder of a file, if there is none. Throws usage_error.

@@ -39,12 +39,6 @@ std::string shell_word(std::string_view text) {
     return result + "'";
 }
 
-/// The command of the shell that writes a picture to the standard output.
-std::string command_for(const std::string& script, const std::string& csv, const picture_titles& titles) {
-    return fmt::format("gnuplot -c {} {} {} {}", shell_word(script), shell_word(csv),
-                       shell_word(printable(titles.title)), shell_word(joined(titles.names)));
-}
-
 /// What a command of the shell writes to its standard output, and its exit status.
 std::pair<std::string, int> output_of(const std::string& command) {
     std::FILE* const pipe = ::popen(command.c_str(), "r");
@@ -63,29 +57,26 @@ std::pair<std::string, int> output_of(const std::string& command) {
 bool draw_picture(const std::string& script, const std::filesystem::path& stem, const std::string& csv,
                   const picture_titles& titles) {
     const auto file = [&](const char* ending) { return std::filesystem::path(stem) += ending; };
-    const auto name = [&](const char* ending) { return printable("./" + file(ending).filename().string()); };
     make_folder_of(stem);
     tactnet::write_file(file(".csv"), csv);
     const auto [picture, status] = output_of(
-        fmt::format("{} 2>/dev/null <<'end of script'\n{}\nend of script\n",
-                    command_for("/dev/stdin", std::filesystem::absolute(file(".csv")).string(), titles),
-                    embedded(script)));
+        fmt::format("gnuplot -c /dev/stdin {} {} {} 2>/dev/null <<'end of script'\n{}\nend of script\n",
+                    shell_word(std::filesystem::absolute(file(".csv")).string()),
+                    shell_word(printable(titles.title)), shell_word(joined(titles.names)), embedded(script)));
     std::string problem = status == 127 ? "gnuplot was not found" // by convention of the shell
                                         : "gnuplot did not draw it";
-    std::error_code ignored;
     try {
         if (status == 0 && is_whole_png(picture)) {
             tactnet::write_file(file(".png"), picture);
-            std::filesystem::remove(file(".gp"), ignored);
             return true;
         }
-    } catch (const tactnet::file_error& error) { // a full disk, which may have room for the script
+    } catch (const tactnet::file_error& error) { // a full disk
         problem = error.what();
     }
+    std::error_code ignored;
     std::filesystem::remove(file(".png"), ignored); // an earlier one would not fit the table
-    tactnet::write_file(file(".gp"), embedded(script));
-    tell("{} is not drawn: {}; in its folder, {} > {} draws it\n", printable(file(".png").string()),
-         printable(problem), command_for(name(".gp"), name(".csv"), titles), shell_word(name(".png")));
+    tell("{} is not drawn: {}; its numbers are in {}\n", printable(file(".png").string()), printable(problem),
+         printable(file(".csv").string()));
     return false;
 }
 

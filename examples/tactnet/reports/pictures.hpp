@@ -19,8 +19,8 @@ struct picture_titles {
 };
 
 /// Writes STEM.csv, and draws it as STEM.png by the script of that name, which gets the file, the title and
-/// the names as its arguments: no gnuplot and no shell reads these as commands. Where it cannot be drawn, the
-/// script is left as STEM.gp, and a message says how to draw it later; then false.
+/// the names as its arguments: no gnuplot and no shell reads these as commands. Returns false where it cannot
+/// be drawn, after a message that says why.
 bool draw_picture(const std::string& script, const std::filesystem::path& stem, const std::string& csv,
                   const picture_titles& titles);
 
