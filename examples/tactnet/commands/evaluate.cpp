@@ -59,6 +59,8 @@ candidate_list candidates_of(const evaluate_options& o) {
             c.training.pretrained.clear();
         if (network && !c.what->is_network())
             c.training = without_epochs(c.training);
+        if (!may_be_thorough(*c.what))
+            c.training.unknown = 0;
         static_cast<void>(recipe_for(*c.what, c.training));
     }
     return chosen;
@@ -94,7 +96,8 @@ void report(const evaluate_options& o, const candidate_list& candidates, const s
         }
     write_rows(rows, folder, "table");
     draw_study_pictures(rows, folder);
-    for (const study_table& t : {methods_table(rows), details_table(rows), probabilities_table(rows)})
+    for (const study_table& t :
+         {methods_table(rows), details_table(rows), probabilities_table(rows), decisions_table(rows)})
         if (t.cells.size() > 1)
             print(table(without_empty_columns(t.cells)) + '\n');
     print("accuracy: test images, mean ± standard deviation (splits); µs: this machine, one core\n");
@@ -175,7 +178,16 @@ int evaluate_weights(const evaluate_options& o) {
     study_row row = make_row(what.name, what.rows, what.columns, "", weights.trained->bits());
     put_calibration(row, calibration_of(result, chosen, data, weights.scaling));
     plot_reliability(stem("reliability_"), o.weights.weights, *row.probabilities);
-    print('\n' + table(without_empty_columns(probabilities_table({row}).cells)));
+    if (may_be_thorough(what)) {
+        const tactnet::evaluation validation =
+            weights.trained->evaluate(data.view(), split.validation, threads);
+        if (const auto scaling = fit_temperature(validation, split.validation, data))
+            put_decisions(row, sets_of_classes(*scaling, validation, result, data, split));
+        put_decisions(row, faults_of_sensor(*weights.trained, data, chosen, 0, threads));
+    }
+    for (const study_table& t : {probabilities_table({row}), decisions_table({row})})
+        if (t.cells.size() > 1)
+            print('\n' + table(without_empty_columns(t.cells)));
     return success;
 }
 
@@ -228,6 +240,7 @@ command add_evaluate(CLI::App& program) {
     add_bits_option(*app, o->training.bits,
                     "8: each training also as a network in 8 bits, with the ranges of maps from its training "
                     "images");
+    add_unknown_option(*app, o->training.unknown);
     add_run_options(*app, *o);
     add_weight_options(*app, o->weights, false);
     app->add_option("--images", o->images,

@@ -24,7 +24,8 @@ struct study_options {
     std::vector<std::string> methods, sizes, recipes{"default", "published"}, pretrained;
     std::string split = "both";
     std::size_t splits = 20, jobs = std::max(1U, std::thread::hardware_concurrency());
-    std::size_t bits = 8; ///< 8: networks in 8 bits too, where they have such a form
+    std::size_t bits = 8;    ///< 8: networks in 8 bits too, where they have such a form
+    std::size_t unknown = 0; ///< see training_settings
     bool report_only = false, only_trained = false;
 };
 
@@ -61,6 +62,7 @@ candidate_list candidates_of(const study_options& o) {
         settings.rows = m->rows, settings.columns = m->columns;
         settings.resize = true;
         settings.bits = o.bits == 8 && m->has_eight_bit_form() ? 8 : 32;
+        settings.unknown = may_be_thorough(*m) ? o.unknown : 0;
         if (const auto needed = m->pretrained()) {
             const auto file = files.find(needed->network.name);
             if (file == files.end()) {
@@ -262,6 +264,7 @@ command add_study(CLI::App& program) {
     add_bits_option(
         *app, o->bits,
         "8: networks in 8 bits too, where that form was compiled in; 32: in single precision alone");
+    add_unknown_option(*app, o->unknown);
     app->add_flag(
         "--report-only", o->report_only,
         "Train and time nothing; report the results in the folder, also those of other versions and "

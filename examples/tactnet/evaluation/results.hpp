@@ -4,6 +4,7 @@
 // there need not be done again.
 
 #include "data/image_data.hpp"
+#include "evaluation/decisions.hpp"
 #include "files/line_file.hpp"
 #include "methods/method.hpp"
 
@@ -47,6 +48,7 @@ struct training_result {
     /// Of test images, at a temperature fitted on the validation images; nothing for methods without
     /// probabilities, and in lists of version 0.1.
     std::optional<::calibration> calibration{};
+    decision_means decisions{}; ///< on test images; nothing in lists of before version 0.3
     double seconds = 0;
     std::size_t epochs = 0;
 };

@@ -54,8 +54,14 @@ training_result result_of(const trained_method& trained, const task& t, const tr
     training_result result;
     result.settings = std::move(settings);
     result.confusion = test.confusion;
-    if (const auto scaling = fit_temperature(validation, validation_images, data))
+    const bool with_decisions = may_be_thorough(*t.of->what);
+    if (const auto scaling = fit_temperature(validation, validation_images, data)) {
         result.calibration = calibration_of(test, test_images, data, *scaling);
+        if (with_decisions)
+            result.decisions = sets_of_classes(*scaling, validation, test, data, training.split());
+    }
+    if (with_decisions)
+        result.decisions.merge(faults_of_sensor(trained, data, test_images, t.seed, alone));
     if (trained.averages_reflections())
         result.reflected_accuracy =
             trained.evaluate(data.view(), test_images, alone, tactnet::test_time_augmentation::reflections)
@@ -65,27 +71,56 @@ training_result result_of(const trained_method& trained, const task& t, const tr
     return result;
 }
 
+/// Trains on one thread, until it is finished or interrupted.
+std::unique_ptr<training_run> train(const task& t, const image_data& data, tactnet::thread_pool& alone) {
+    const candidate& c = *t.of;
+    tactnet::data_split split = tactnet::split_data(data.images.labels, data.images.classes.size(), t.rule,
+                                                    t.seed, c.training.shares);
+    // Those of no class would be outliers for the training; here it must not see any.
+    std::erase_if(split.training, [&](auto image) { return data.images.labels[image] == tactnet::no_class; });
+    auto training = c.what->train(recipe_for(*c.what, c.training), data.view(), std::move(split), t.seed,
+                                  alone, c.pretrained);
+    start(*training, c.start.get());
+    while (!training->finished() && !interrupted())
+        training->advance();
+    return training;
+}
+
+/// Trains without some classes, and scores the images of these. Nothing if it was interrupted.
+decision_means unknown_objects(const task& t) {
+    image_data data = without_classes(*t.of->data, t.of->training.unknown, t.seed);
+    std::vector<std::size_t> unknown;
+    for (std::size_t i = 0; i < data.images.labels.size(); ++i)
+        if (data.images.labels[i] == tactnet::no_class)
+            unknown.push_back(i);
+    tactnet::thread_pool alone;
+    const auto training = train(t, data, alone);
+    if (!training->finished())
+        return {};
+    const auto best = training->best(data.images.classes);
+    std::ranges::replace(data.images.labels, tactnet::no_class, 0U); // of no use, but evaluate counts classes
+    return separation(best->evaluate(data.view(), training->split().test, alone),
+                      best->evaluate(data.view(), unknown, alone), data.images.classes.size());
+}
+
 /// Trains on one thread. Returns results in single precision, and in 8 bits if the task says so; nothing if
 /// it was interrupted.
 std::vector<training_result> run(const task& t) {
     const image_data& data = *t.of->data;
-    const std::vector<std::string>& classes = data.images.classes;
     tactnet::thread_pool alone;
     const stopwatch watch;
-    const candidate& c = *t.of;
-    const auto training = c.what->train(
-        recipe_for(*c.what, c.training), data.view(),
-        tactnet::split_data(data.images.labels, classes.size(), t.rule, t.seed, c.training.shares), t.seed,
-        alone, c.pretrained);
-    start(*training, c.start.get());
-    while (!training->finished() && !interrupted())
-        training->advance();
+    const auto training = train(t, data, alone);
     const double seconds = watch.seconds();
     if (!training->finished())
         return {};
-    const auto best = training->best(classes);
+    const auto best = training->best(data.images.classes);
     std::vector<training_result> results{result_of(*best, t, *training, in_single_precision(t.settings))};
-    if (c.training.bits == 8)
+    if (t.of->training.unknown > 0) {
+        results.front().decisions.merge(unknown_objects(t));
+        if (interrupted())
+            return {};
+    }
+    if (t.of->training.bits == 8)
         results.push_back(result_of(*in_eight_bits(*best, data.view(), training->split().training), t,
                                     *training, t.settings));
     const auto* by_epochs = dynamic_cast<const network_training*>(training.get());
@@ -249,6 +284,10 @@ void load_candidates(candidate_list& list, const std::filesystem::path& data) {
         c.data = images;
         check_capacity(*c.what, data.string(), images->images.classes.size());
         check_test_images(data, c.training, *images);
+        if (const std::size_t classes = images->images.classes.size();
+            c.training.unknown > 0 && c.training.unknown + 2 > classes)
+            refuse("--unknown: expected to leave two of {} classes or more, found {}", classes,
+                   c.training.unknown);
         c.start = load_start(*c.what, c.training, images->images.classes);
         c.pretrained = open_pretrained(*c.what, c.training);
     }

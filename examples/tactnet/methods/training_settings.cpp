@@ -126,6 +126,14 @@ void add_bits_option(CLI::App& command, std::size_t& bits, const std::string& wh
     command.add_option("--bits", bits, what_for)->check(CLI::IsMember({8, 32}));
 }
 
+void add_unknown_option(CLI::App& command, std::size_t& unknown) {
+    command
+        .add_option("--unknown", unknown,
+                    "Train each network once more per split without this number of classes, and measure how "
+                    "well it recognises their images as unknown (0: do not)")
+        ->check(whole_number(0, 10'000));
+}
+
 void check_bits(const method& what, std::size_t bits) {
     if (bits != 8 || what.has_eight_bit_form())
         return;

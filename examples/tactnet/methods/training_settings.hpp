@@ -29,7 +29,8 @@ struct training_settings {
     /// File of a network trained on photographs, for methods that begin with one; else empty.
     std::string pretrained;
     tactnet::split_shares shares;
-    std::size_t bits = 32; ///< of a weight, once it is trained: 8, or single precision
+    std::size_t bits = 32;   ///< of a weight, once it is trained: 8, or single precision
+    std::size_t unknown = 0; ///< classes that one more training leaves out, as unknown objects
 };
 
 /// --rows, --columns, --resize, --recipe, all that changes a recipe and what a training begins with.
@@ -41,6 +42,8 @@ void add_training_options(CLI::App& command, training_settings& settings,
 void add_data_option(CLI::App& command, std::string& folder);
 /// --bits.
 void add_bits_option(CLI::App& command, std::size_t& bits, const std::string& what_for);
+/// --unknown.
+void add_unknown_option(CLI::App& command, std::size_t& unknown);
 
 /// Throws usage_error for 8 bits unless the method has such a form.
 void check_bits(const method& what, std::size_t bits);

@@ -20,6 +20,7 @@ study_table methods_table(const std::vector<study_row>& rows);
 /// What else is known of them: other accuracies, times and bytes.
 study_table details_table(const std::vector<study_row>& rows);
 study_table probabilities_table(const std::vector<study_row>& rows);
+study_table decisions_table(const std::vector<study_row>& rows);
 
 /// What a report is of.
 struct report_subject {

@@ -86,14 +86,19 @@ void put_accuracies(study_row& row, split_rule rule, const std::vector<const tra
 /// What the trainings on the first kind of splits that has any have in common.
 void put_together(study_row& row, const std::vector<const training_result*>& all) {
     std::vector<calibration> calibrations;
+    decision_means decisions;
     row.confusion = tactnet::confusion_matrix(row.classes.size());
     for (const training_result* r : all) {
         row.confusion.add(r->confusion);
         if (r->calibration)
             calibrations.push_back(*r->calibration);
+        for (const auto& [name, mean] : r->decisions)
+            for (std::size_t i = 0; i < mean.size(); ++i)
+                decisions[name][i] += mean[i];
     }
     if (const auto found = together(calibrations))
         put_calibration(row, *found);
+    put_decisions(row, decisions);
 }
 
 study_row row_of(const candidate& c, std::size_t bits, const split_plan& plan, const std::vector<task>& tasks,
@@ -151,6 +156,8 @@ study_row make_row(const std::string& method, std::size_t rows, std::size_t colu
           "published_accuracy", "published_deviation", "published_microseconds", "temperature",
           "softmax_calibration_error", "softmax_brier_score", "calibration_error", "brier_score"})
         row.values[name] = nullptr;
+    for (const decision_column& column : decision_columns)
+        row.values[std::string(column.name)] = nullptr;
     row.values["declaration"] = "";
     return row;
 }
@@ -202,6 +209,11 @@ void put_calibration(study_row& row, const calibration& of) {
     row.values["calibration_error"] = of.after.calibration_error();
     row.values["brier_score"] = of.after.brier_score();
     row.probabilities = of;
+}
+
+void put_decisions(study_row& row, const decision_means& means) {
+    for (const auto& [name, mean] : means)
+        row.values[name] = mean[0] / mean[1];
 }
 
 split_rule shown_rule(const std::vector<study_row>& rows) {

@@ -42,6 +42,10 @@ TEST_SUITE("program") {
             for (const auto& count : result.at("confusion"))
                 tested += count.get<std::size_t>();
             CHECK(images == tested);
+            const auto& decisions = result.at("decisions");
+            CHECK(decisions.size() == 6); // without unknown objects, which nobody asked for
+            for (const auto& mean : decisions)
+                CHECK(mean.at(1).get<std::size_t>() == tested);
         }
         CHECK(lines_of(text_of(shop / "r/table.csv")).size() == 3);
         CHECK(lines_of(text_of(shop / "r/table.jsonl")).size() == 2);
@@ -60,6 +64,24 @@ TEST_SUITE("program") {
         // TactNet-4 for three classes: 6128 parameters of convolutions and batch norms, 64 x 3 + 3 of the
         // last layer.
         says(first.out, " 6 323 ");
+        CHECK(row.at("set_coverage").is_number());
+        CHECK(row.at("unknown_softmax_area").is_null());
+        says(first.out, "right class in the set, %");
+
+        // Unknown objects take one more training per split.
+        const auto with_unknown = [&](const char* number) {
+            return shop.run("evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --epochs 3 "
+                            "--results u --splits 2 --split random --jobs 1" +
+                            words{"--unknown", number});
+        };
+        const outcome unknown = with_unknown("1");
+        REQUIRE_MESSAGE(unknown.status == 0, unknown.error);
+        says(unknown.out, "unknown by softmax: area, %");
+        const auto measured = nlohmann::json::parse(lines_of(text_of(shop / "u/table.jsonl"))[0]);
+        for (const char* share : {"unknown_softmax_area", "unknown_softmax_accepted", "unknown_energy_area",
+                                  "unknown_energy_accepted"})
+            CHECK_MESSAGE((measured.at(share) >= 0 && measured.at(share) <= 1), share);
+        says(with_unknown("2").error, "--unknown: expected to leave two of 3 classes or more, found 2");
 
         const outcome second = evaluate("--splits 2 --jobs 1");
         REQUIRE_MESSAGE(second.status == 0, second.error);

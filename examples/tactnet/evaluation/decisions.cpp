@@ -1,0 +1,153 @@
+#include "evaluation/decisions.hpp"
+
+#include <tactnet/decision/fitting.hpp>
+#include <tactnet/decision/sensor_health.hpp>
+#include <tactnet/decision/unknown_score.hpp>
+#include <tactnet/runtime/random.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace {
+
+constexpr auto faulty_tactels = tactnet::random_purpose::named("tactnet/faulty_tactels");
+
+/// Corrects images with stuck tactels in place: each is five frames of air and five of the touch, of which
+/// the last is kept. The faults begin after frames of air without them.
+using corrector = void (*)(std::vector<std::uint8_t>& pixels, std::span<const std::size_t> images,
+                           const std::vector<bool>& stuck);
+template <tactnet::shape Array>
+void correct(std::vector<std::uint8_t>& pixels, std::span<const std::size_t> images,
+             const std::vector<bool>& stuck) {
+    const auto health = std::make_unique<tactnet::sensor_health<Array>>();
+    std::array<std::uint8_t, Array.size()> air{};
+    for (int i = 0; i < 50; ++i)
+        health->learn(air);
+    std::ranges::transform(stuck, air.begin(), [](bool is_stuck) { return is_stuck ? 255 : 0; });
+    for (const std::size_t image : images) {
+        const auto touch = std::span(pixels).subspan(image * air.size()).template first<Array.size()>();
+        for (int i = 0; i < 5; ++i) {
+            (void)health->clean(air);
+            health->follow(air);
+        }
+        for (int i = 0; i < 4; ++i)
+            (void)health->clean(touch);
+        std::ranges::copy(health->clean(touch), touch.begin());
+    }
+}
+template <tactnet::shape... Arrays>
+corrector corrector_of(std::size_t rows, std::size_t columns) {
+    corrector found = nullptr;
+    ((Arrays.rows == rows && Arrays.columns == columns ? void(found = correct<Arrays>) : void()), ...);
+    return found;
+}
+
+/// The area under the receiver operating characteristic, and the share of unknown ones accepted where 95 %
+/// of known ones are.
+std::pair<double, double> curve_of(std::vector<double> known, std::vector<double> unknown) {
+    std::ranges::sort(known);
+    std::ranges::sort(unknown);
+    double pairs = 0;
+    for (const double score : unknown) {
+        const auto [first, last] = std::ranges::equal_range(known, score);
+        pairs += static_cast<double>(first - known.begin()) + 0.5 * static_cast<double>(last - first);
+    }
+    const auto limit = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(known.size()))) - 1;
+    const auto accepted = std::ranges::upper_bound(unknown, known[limit]) - unknown.begin();
+    const auto count = static_cast<double>(unknown.size());
+    return {pairs / count / static_cast<double>(known.size()), static_cast<double>(accepted) / count};
+}
+
+} // namespace
+
+decision_means sets_of_classes(const tactnet::temperature_scaling& scaling,
+                               const tactnet::evaluation& validation, const tactnet::evaluation& test,
+                               const image_data& data, const tactnet::data_split& split) {
+    const std::size_t classes = data.images.classes.size();
+    std::vector<std::size_t> labels;
+    for (const std::size_t image : split.validation)
+        labels.push_back(data.images.labels[image]);
+    const auto set = tactnet::fit_prediction_set(scaling, 0.95, validation.logits, classes, labels, classes);
+    double held = 0, size = 0;
+    const auto count = static_cast<double>(split.test.size());
+    const auto members = std::make_unique<bool[]>(classes);
+    for (std::size_t i = 0; i < split.test.size(); ++i) {
+        size += static_cast<double>(
+            set.predict(std::span(test.logits).subspan(i * classes, classes), {members.get(), classes}));
+        held += members[data.images.labels[split.test[i]]];
+    }
+    return {{"set_coverage", {held, count}}, {"set_size", {size, count}}};
+}
+
+decision_means faults_of_sensor(const trained_method& trained, const image_data& data,
+                                std::span<const std::size_t> images, std::uint64_t seed,
+                                tactnet::thread_pool& threads) {
+    const std::size_t rows = data.images.rows, columns = data.images.columns, size = rows * columns;
+    using tactnet::shape;
+    const corrector corrected =
+        corrector_of<shape{28, 50}, shape{20, 35}, shape{14, 25}, shape{10, 18}, shape{7, 13}>(rows, columns);
+    if (corrected == nullptr)
+        return {};
+    std::vector<bool> row(size), tactels(size);
+    tactnet::random_stream random(seed, faulty_tactels);
+    const std::size_t broken = random.below(static_cast<std::uint32_t>(rows));
+    for (std::size_t i = 0; i < size; ++i) {
+        row[i] = i / columns == broken;
+        tactels[i] = random.uniform() < 0.05;
+    }
+    decision_means means;
+    for (const auto& [name, stuck] : {std::pair{"stuck_row", &row}, std::pair{"stuck_tactels", &tactels}}) {
+        std::vector<std::uint8_t> pixels = data.images.pixels;
+        const auto measure = [&, to = std::string(name)](const char* what) {
+            const auto found =
+                trained.evaluate({pixels, data.images.labels, data.images.classes.size()}, images, threads)
+                    .confusion;
+            means[to + what] = {static_cast<double>(found.correct()), static_cast<double>(found.total())};
+        };
+        for (const std::size_t image : images)
+            for (std::size_t i = 0; i < size; ++i)
+                if ((*stuck)[i])
+                    pixels[image * size + i] = 255;
+        measure("_accuracy");
+        corrected(pixels, images, *stuck);
+        measure("_corrected_accuracy");
+    }
+    return means;
+}
+
+image_data without_classes(image_data data, std::size_t unknown, std::uint64_t seed) {
+    const std::size_t classes = data.images.classes.size(), first = seed % classes * unknown % classes;
+    std::vector<std::size_t> labels;
+    std::vector<std::string> known;
+    for (std::size_t c = 0; c < classes; ++c) {
+        const bool is_known = (c + classes - first) % classes >= unknown;
+        labels.push_back(is_known ? known.size() : tactnet::no_class);
+        if (is_known)
+            known.push_back(data.images.classes[c]);
+    }
+    for (std::size_t& label : data.images.labels)
+        label = labels[label];
+    data.images.classes = std::move(known);
+    return data;
+}
+
+decision_means separation(const tactnet::evaluation& of_known, const tactnet::evaluation& of_unknown,
+                          std::size_t classes) {
+    decision_means means;
+    const auto add = [&](const std::string& name, const auto& score) {
+        const auto scores = [&](std::span<const float> logits) {
+            std::vector<double> all;
+            for (; !logits.empty(); logits = logits.subspan(classes))
+                all.push_back(score(logits.first(classes), {}));
+            return all;
+        };
+        const auto [area, accepted] = curve_of(scores(of_known.logits), scores(of_unknown.logits));
+        means["unknown_" + name + "_area"] = {area, 1};
+        means["unknown_" + name + "_accepted"] = {accepted, 1};
+    };
+    if (!of_known.logits.empty() && !of_unknown.logits.empty()) {
+        add("softmax", tactnet::softmax_score{});
+        add("energy", tactnet::energy_score{});
+    }
+    return means;
+}
