@@ -6,7 +6,8 @@
 //     test_TARGET --pack FOLDER FILE      make a corpus of the files that a fuzzer left in a folder
 //
 // A corpus is one file: of each input its number of bytes, a new line, the bytes, a new line. All of them are
-// in corpus.tar.xz, which the build unpacks into tests/fuzz/corpus; to change one, run `tar -cJf` there.
+// in corpus.tar.xz, which the build unpacks into its folder tests/fuzz/corpus. After changing one there, run
+// in it `tar -cJf SOURCES/tests/fuzz/corpus.tar.xz *.corpus`.
 
 #include "fuzz_target.hpp"
 

@@ -45,8 +45,8 @@ decision_means faults_of_sensor(const trained_method& trained, const image_data&
                                 std::span<const std::size_t> images, std::uint64_t seed,
                                 tactnet::thread_pool& threads);
 
-/// Images of as many classes get the label no_class, the others labels from 0; each class comes as often over
-/// the seeds.
+/// Images of `unknown` classes get the label no_class, the others labels from 0. Over the seeds, each class
+/// is left out equally often.
 image_data without_classes(image_data data, std::size_t unknown, std::uint64_t seed);
 
 /// How well scores of a network that was trained on the known classes separate the images of others. Nothing

@@ -46,7 +46,7 @@ struct training_result {
     /// On test images, averaged over their reflections; NaN for methods that do not do that.
     double reflected_accuracy = std::numeric_limits<double>::quiet_NaN();
     /// Of test images, at a temperature fitted on the validation images; nothing for methods without
-    /// probabilities, and in lists of version 0.1.
+    /// probabilities, and in lists of before version 0.3.
     std::optional<::calibration> calibration{};
     decision_means decisions{}; ///< on test images; nothing in lists of before version 0.3
     double seconds = 0;

@@ -59,10 +59,9 @@ void load_candidates(candidate_list& list, const std::filesystem::path& data);
 /// All trainings of the plan, split by split, so that early results say something of every candidate.
 std::vector<task> tasks_of(const candidate_list& candidates, const split_plan& plan);
 
-/// Does the trainings that have no results yet, `jobs` at a time, each on one thread, and first finds what
-/// pretrained networks make of the images for those that need it; this is kept in the folder of results,
-/// which are kept as they come. Several programs on one file of results share the tasks. False if
-/// interrupted. Trainings that diverge are added to `diverged` and left out; without such a list the first
-/// one ends all.
+/// Does the trainings that have no results yet, `jobs` at a time, each on one thread. First computes the
+/// features of frozen networks that they need, and keeps them in the folder of results. Several
+/// programs on one file of results share the tasks. False if interrupted. Trainings that diverge are added to
+/// `diverged` and left out; without such a list the first one ends all.
 bool train_all(const std::vector<task>& all, std::size_t jobs, result_list& results,
                std::vector<std::string>* diverged = nullptr);
