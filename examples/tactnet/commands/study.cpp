@@ -11,7 +11,6 @@
 
 #include <tactnet/io/write_file.hpp>
 
-#include <cmath>
 #include <interrupt.hpp>
 #include <map>
 #include <set>

@@ -5,7 +5,7 @@ set datafile columnheaders
 set datafile missing NaN
 if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size 1100,700 font ",11" noenhanced } \
 else { set terminal png size 1100,700 noenhanced }
-# Hues that colour-blind people can distinguish, on light and dark ground; grey for the paper.
+# Hues that colour-blind people can distinguish; grey for the paper.
 array series = ["touches", "photographs", "machines", "paper", "front", "names"]
 array title = ["networks for touches", "ImageNet-pretrained networks", "support vector machines", "the paper", \
     "Pareto front"]
