@@ -45,7 +45,7 @@ endfunction()
 # - at its own level with FULLY_OPTIMISED: the kernels, and what is built of them as users build it;
 # - at -O0 with UNOPTIMISED: where results are compared with references and to the bit, and little is computed. This takes
 #   two thirds of the time to compile.
-# UNOPTIMISED_SOURCES are files of a fully optimised room that are compiled at -O0 all the same: those that compare many
+# UNOPTIMISED_SOURCES are files of an optimised room that are compiled at -O0 all the same: those that compare many
 # sizes with a reference, where most of the time of compiling would go, and those about other things than numbers. With
 # TACTNET_TEST_FULLY_OPTIMISED, as in the presets clang and all-sizes, they are like the others. They stand last, so that
 # of a function that other files have, too, the linker takes the fully optimised one.

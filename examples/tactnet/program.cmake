@@ -78,9 +78,6 @@ function(tactnet_add_program target)
         if(network MATCHES "-nn$") # begins with weights learnt from photographs
             set(headers "#include <tactnet/transfer/as_photograph.hpp>\n#include <tactnet/transfer/networks.hpp>\n")
         endif()
-        if(network MATCHES "^tactnet4-(small|strided|wide)$") # not the paper's
-            set(training std::nullopt)
-        endif()
         if(arg_HEADER)
             string(APPEND headers "#include \"${header}\"\n")
             set(training std::nullopt)

@@ -25,43 +25,57 @@ static_assert(tactnet4_strided<shape{5, 5}, 22>::output_shape.size() == 22);
 
 namespace {
 
-template <shape Size>
-struct binds {
-    static constexpr auto halvings_of(std::size_t size) {
-        std::array<std::size_t, 5> sizes{size};
-        for (std::size_t i = 1; i < sizes.size(); ++i)
-            sizes[i] = halved(sizes[i - 1]);
-        return sizes;
-    }
-    static constexpr auto rows = halvings_of(Size.rows), columns = halvings_of(Size.columns);
+/// A side of the image, halved 0 to 4 times.
+constexpr std::array<std::size_t, 5> halvings_of(std::size_t size) {
+    std::array<std::size_t, 5> sizes{size};
+    for (std::size_t i = 1; i < sizes.size(); ++i)
+        sizes[i] = halved(sizes[i - 1]);
+    return sizes;
+}
 
-    /// Of one of the networks, whose second and third convolutions and dense layer see the image halved as
-    /// often.
-    template <class Network>
-    static constexpr bool costs(tactnet4_filters filters, std::size_t second, std::size_t third,
-                                std::size_t last) {
-        const auto [f1, f2, f3] = filters;
-        const std::size_t taps = (4 + Size.rows % 2) * (4 + Size.columns % 2);
-        const std::size_t inputs = f3 * rows[last] * columns[last];
-        return Network::parameters == f1 * (taps + 1) + f2 * (f1 * 9 + 1) + f3 * (f2 * 9 + 1) +
-                                          2 * (f1 + f2 + f3) + 22 * (inputs + 1) &&
-               Network::multiply_adds == rows[1] * columns[1] * f1 * taps +
-                                             rows[second] * columns[second] * f2 * f1 * 9 +
-                                             rows[third] * columns[third] * f3 * f2 * 9 + inputs * 22;
-    }
-    static constexpr bool lies_symmetrically(std::size_t even, std::size_t halvings) {
-        const shape map{rows[halvings], columns[halvings]};
-        const auto window = sliding_window::over(
-            map, symmetric_window(Size.rows, Size.columns, even, halvings), 2, padding::same);
-        return window.top == window.bottom && window.left == window.right &&
-               window.output_rows() == halved(map.rows) && window.output_columns() == halved(map.columns);
-    }
-    static constexpr bool value = costs<tactnet4_strided<Size, 22>>({8, 16, 32}, 1, 2, 3) &&
-                                  costs<tactnet4_wide<Size, 22>>({16, 24, 48}, 1, 2, 3) &&
-                                  costs<tactnet4_small<Size, 22>>({16, 24, 48}, 2, 3, 4) &&
-                                  lies_symmetrically(4, 0) && lies_symmetrically(2, 1) &&
-                                  lies_symmetrically(2, 2) && lies_symmetrically(2, 3);
-};
+/// The costs of one of the networks, whose second and third convolutions and dense layer see the image halved
+/// as often.
+template <class Network>
+constexpr bool costs_as_expected(tactnet4_filters filters, std::size_t second, std::size_t third,
+                                 std::size_t last) {
+    constexpr shape size = Network::input_shape;
+    const auto [f1, f2, f3] = filters;
+    const auto rows = halvings_of(size.rows), columns = halvings_of(size.columns);
+    const std::size_t taps = (4 + size.rows % 2) * (4 + size.columns % 2);
+    const std::size_t inputs = f3 * rows[last] * columns[last];
+    return Network::parameters == f1 * (taps + 1) + f2 * (f1 * 9 + 1) + f3 * (f2 * 9 + 1) +
+                                      2 * (f1 + f2 + f3) + 22 * (inputs + 1) &&
+           Network::multiply_adds == rows[1] * columns[1] * f1 * taps +
+                                         rows[second] * columns[second] * f2 * f1 * 9 +
+                                         rows[third] * columns[third] * f3 * f2 * 9 + inputs * 22;
+}
+template <shape... Size>
+constexpr bool costs_as_expected_at() {
+    return ((costs_as_expected<tactnet4_strided<Size, 22>>({8, 16, 32}, 1, 2, 3) &&
+             costs_as_expected<tactnet4_wide<Size, 22>>({16, 24, 48}, 1, 2, 3) &&
+             costs_as_expected<tactnet4_small<Size, 22>>({16, 24, 48}, 2, 3, 4)) &&
+            ...);
+}
+static_assert(
+    costs_as_expected_at<shape{28, 50}, shape{20, 35}, shape{13, 29}, shape{10, 18}, shape{7, 13}>());
+
+/// Whether the window for an image, halved that often, lies symmetrically on it.
+constexpr bool lies_symmetrically(std::size_t rows, std::size_t columns, std::size_t even,
+                                  std::size_t halvings) {
+    const shape map{halvings_of(rows)[halvings], halvings_of(columns)[halvings]};
+    const auto window =
+        sliding_window::over(map, symmetric_window(rows, columns, even, halvings), 2, padding::same);
+    return window.top == window.bottom && window.left == window.right &&
+           window.output_rows() == halved(map.rows) && window.output_columns() == halved(map.columns);
+}
+static_assert([] {
+    for (std::size_t rows = 5; rows <= 28; ++rows)
+        for (std::size_t columns = 5; columns <= 50; ++columns)
+            for (std::size_t halvings = 0; halvings < 4; ++halvings)
+                if (!lies_symmetrically(rows, columns, halvings == 0 ? 4 : 2, halvings))
+                    return false;
+    return true;
+}());
 
 /// Random parameters, the same in every network of a type.
 template <class Network>
@@ -140,8 +154,6 @@ double difference_when_reflected(std::size_t halvings) {
 }
 
 } // namespace
-
-static_assert(support::holds_at_every_size<binds>);
 
 // With the reflected weights, the networks compute the same of the reflected image, but for the order of the
 // sums.

@@ -5,6 +5,7 @@
 #include <tactnet/networks/published.hpp>
 
 #include <cstddef>
+#include <optional>
 
 // Networks of TactNet-4's layers whose windows lie symmetrically on every map, so that an image and its
 // reflections are sampled at the same places. With stride 2, a window of 2 pixels does so along an even side,
@@ -59,5 +60,16 @@ using tactnet4_small = network<Input,                                           
                                conv2d<Filters.conv3, 3>, batch_norm, relu,                                  //
                                max_pool<symmetric_window(Input.rows, Input.columns, 2, 3), 2>,              //
                                dense<detail::classes_on<Input.rows, Input.columns, Classes>::count>>;
+
+/// None of them was published.
+[[nodiscard]] constexpr std::optional<published_training> tactnet4_strided_training(shape) {
+    return {};
+}
+[[nodiscard]] constexpr std::optional<published_training> tactnet4_wide_training(shape) {
+    return {};
+}
+[[nodiscard]] constexpr std::optional<published_training> tactnet4_small_training(shape) {
+    return {};
+}
 
 }} // namespace tactnet
