@@ -131,6 +131,14 @@ image_data without_classes(image_data data, std::size_t unknown, std::uint64_t s
     return data;
 }
 
+tactnet::data_split split_of_classes(const image_data& data, tactnet::split_rule rule, std::uint64_t seed,
+                                     tactnet::split_shares shares) {
+    const std::vector<std::size_t>& labels = data.images.labels;
+    tactnet::data_split split = tactnet::split_data(labels, data.images.classes.size(), rule, seed, shares);
+    std::erase_if(split.training, [&](auto image) { return labels[image] == tactnet::no_class; });
+    return split;
+}
+
 decision_means separation(const tactnet::evaluation& of_known, const tactnet::evaluation& of_unknown,
                           std::size_t classes) {
     decision_means means;

@@ -49,6 +49,10 @@ decision_means faults_of_sensor(const trained_method& trained, const image_data&
 /// is left out equally often.
 image_data without_classes(image_data data, std::size_t unknown, std::uint64_t seed);
 
+/// The split of split_data without the images of no class, which would be outliers for a training.
+tactnet::data_split split_of_classes(const image_data& data, tactnet::split_rule rule, std::uint64_t seed,
+                                     tactnet::split_shares shares);
+
 /// How well scores of a network that was trained on the known classes separate the images of others. Nothing
 /// without images.
 decision_means separation(const tactnet::evaluation& of_known, const tactnet::evaluation& of_unknown,

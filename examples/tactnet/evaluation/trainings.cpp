@@ -74,12 +74,9 @@ training_result result_of(const trained_method& trained, const task& t, const tr
 /// Trains on one thread, until it is finished or interrupted.
 std::unique_ptr<training_run> train(const task& t, const image_data& data, tactnet::thread_pool& alone) {
     const candidate& c = *t.of;
-    tactnet::data_split split = tactnet::split_data(data.images.labels, data.images.classes.size(), t.rule,
-                                                    t.seed, c.training.shares);
-    // Those of no class would be outliers for the training; here it must not see any.
-    std::erase_if(split.training, [&](auto image) { return data.images.labels[image] == tactnet::no_class; });
-    auto training = c.what->train(recipe_for(*c.what, c.training), data.view(), std::move(split), t.seed,
-                                  alone, c.pretrained);
+    auto training =
+        c.what->train(recipe_for(*c.what, c.training), data.view(),
+                      split_of_classes(data, t.rule, t.seed, c.training.shares), t.seed, alone, c.pretrained);
     start(*training, c.start.get());
     while (!training->finished() && !interrupted())
         training->advance();

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <sys/wait.h>
@@ -20,6 +21,13 @@ namespace {
 bool is_whole_png(std::string_view bytes) {
     using namespace std::string_view_literals;
     return bytes.starts_with("\x89PNG\r\n\x1A\n"sv) && bytes.ends_with("\0\0\0\0IEND\xAE\x42\x60\x82"sv);
+}
+
+/// The first line with words; gnuplot's start with a mark of the place.
+std::string first_line(std::string_view words) {
+    const std::size_t begin = std::min(words.find_first_not_of(" \t\n^"), words.size());
+    words.remove_prefix(begin);
+    return std::string(words.substr(0, words.find('\n')));
 }
 
 /// A slash after each.
@@ -58,16 +66,22 @@ bool draw_picture(const std::string& script, const std::filesystem::path& stem, 
     const auto file = [&](const char* ending) { return std::filesystem::path(stem) += ending; };
     make_folder_of(stem);
     tactnet::write_file(file(".csv"), csv);
-    const auto [picture, status] = output_of(
-        fmt::format("gnuplot -c /dev/stdin {} {} {} 2>/dev/null <<'end of script'\n{}\nend of script\n",
-                    shell_word(std::filesystem::absolute(file(".csv")).string()),
-                    shell_word(printable(titles.title)), shell_word(joined(titles.names)), embedded(script)));
-    std::string problem = status == 127 ? "gnuplot was not found" // by convention of the shell
-                                        : "gnuplot did not draw it";
+    const auto run = [&](const char* streams) {
+        return output_of(fmt::format(
+            "gnuplot -c /dev/stdin {} {} {} {} <<'end of script'\n{}\nend of script\n",
+            shell_word(std::filesystem::absolute(file(".csv")).string()), shell_word(printable(titles.title)),
+            shell_word(joined(titles.names)), streams, embedded(script)));
+    };
+    const auto [picture, status] = run("2>/dev/null");
+    std::string problem = "gnuplot was not found";
     try {
         if (status == 0 && is_whole_png(picture)) {
             tactnet::write_file(file(".png"), picture);
             return true;
+        }
+        if (status != 127) { // which the shell returns for an unknown command
+            const std::string line = first_line(run("2>&1 >/dev/null").first);
+            problem = "gnuplot did not draw it" + (line.empty() ? "" : " ('" + line + "')");
         }
     } catch (const tactnet::file_error& error) { // a full disk
         problem = error.what();

@@ -130,7 +130,7 @@ TEST_SUITE("program") {
         const std::pair<std::string, std::string> cases[]{
             {draws, ""},
             {"head -c 50 " + file + "\n", found}, // as on a full disk, without a word
-            {"cat >/dev/null\necho 'undefined' >&2\nexit 1\n", found},
+            {"cat >/dev/null\nprintf '\\n  ^\\nundefined\\n' >&2\nexit 1\n", found + " ('undefined')"},
             {"exit 0\n", found},         // reads nothing either
             {draws + "exit 1\n", found}, // whole, but gnuplot has failed
             {"", "gnuplot was not found"},

@@ -101,6 +101,23 @@ TEST_SUITE("program") {
         CHECK(left_out == std::vector<std::size_t>(22, 5));
     }
 
+    TEST_CASE("split_of_classes: a training sees no image of the classes that were left out") {
+        image_data data;
+        for (std::size_t i = 0; i < 60; ++i)
+            data.images.labels.push_back(i % 6);
+        data.images.classes = {"a", "b", "c", "d", "e", "f"};
+        const image_data some = without_classes(std::move(data), 2, 4);
+        const auto left_out = [&](std::size_t image) {
+            return some.images.labels[image] == tactnet::no_class;
+        };
+        for (const tactnet::split_rule rule : {tactnet::split_rule::random, tactnet::split_rule::blocked}) {
+            const tactnet::data_split split = split_of_classes(some, rule, 4, {});
+            for (const auto* part : {&split.training, &split.validation, &split.test})
+                CHECK(std::ranges::none_of(*part, left_out));
+            CHECK(split.training.size() + split.validation.size() + split.test.size() == 40);
+        }
+    }
+
     TEST_CASE("separation: by hand") {
         tactnet::evaluation known, unknown;
         // Scores of the energy: minus the logarithm of the sum of two equal exponentials.
