@@ -61,13 +61,15 @@ using tactnet4_small = network<Input,                                           
                                max_pool<symmetric_window(Input.rows, Input.columns, 2, 3), 2>,              //
                                dense<detail::classes_on<Input.rows, Input.columns, Classes>::count>>;
 
-/// None of them was published.
+/// The settings of the published training: none, since the network was not published.
 [[nodiscard]] constexpr std::optional<published_training> tactnet4_strided_training(shape) {
     return {};
 }
+/// As tactnet4_strided_training.
 [[nodiscard]] constexpr std::optional<published_training> tactnet4_wide_training(shape) {
     return {};
 }
+/// As tactnet4_strided_training.
 [[nodiscard]] constexpr std::optional<published_training> tactnet4_small_training(shape) {
     return {};
 }
