@@ -33,7 +33,7 @@ study_row make_row(const std::string& method, std::size_t rows, std::size_t colu
 std::string text(const study_row& row, std::string_view name);
 /// A member that is a number; NaN for null.
 double number(const study_row& row, std::string_view name);
-/// The same of what stands in the members of a rule as "random_accuracy".
+/// A member of one rule, such as "random_accuracy" by the name "accuracy".
 double number(const study_row& row, tactnet::split_rule rule, std::string_view name);
 
 /// "tactnet6", or "tactnet6 in 8 bits".

@@ -71,7 +71,7 @@ template <std::size_t Count>
     const v power = detail::times_power_of_two(v(1.0F), shifted);
     return multiply_add(power, multiply_add(r * r, series, r), power - v(1.0F));
 }
-/// The same of a double; 0 for NaN and above 0, where elu_function takes x.
+/// In double precision. Returns 0 for NaN and above 0, where elu_function takes x.
 [[nodiscard]] constexpr double exponential_minus_one(double x) {
     const double t = hyperbolic_tangent(x < 0 ? 0.5 * x : 0);
     return 2 * t / (1 - t);
