@@ -10,7 +10,7 @@
 // Networks of TactNet-4's layers whose windows lie symmetrically on every map, so that an image and its
 // reflections are sampled at the same places. With stride 2, a window of 2 pixels does so along an even side,
 // and one of 3 along an odd side. TactNet-4 takes 2 everywhere; along odd sides its last window hangs over
-// the edge. Objects lie on the array either way round, so it has to learn each of them in several positions.
+// the edge, so that it samples an image and its reflection at different places.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
