@@ -1,7 +1,7 @@
 #pragma once
 
-// What most of the program's networks and methods read of other libraries. Nothing of tactnet, so that a change of one
-// of its headers compiles only what includes it.
+// What most of the program's networks and methods read of other libraries. Nothing of tactnet, so that a
+// change of one of its headers compiles only what includes it.
 
 #include <fmt/format.h>
 

@@ -145,7 +145,8 @@ template <activation_function Function>
     return " " + size_of(w.kernel) + " by steps of " + size_of(w.stride);
 }
 [[nodiscard]] inline std::string details_of(const kernels::frame_convolution& c) {
-    std::string what = " " + size_of(c.window.kernel);
+    std::string what = " ";
+    what += size_of(c.window.kernel);
     if (c.window.stride != extent2d(1))
         what += " by steps of " + size_of(c.window.stride);
     if (c.accumulates)
