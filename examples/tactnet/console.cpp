@@ -11,8 +11,7 @@
 #include <unistd.h>
 
 void prepare_standard_streams() noexcept {
-    // A new file gets the lowest free number. Open for reading only, so that what is printed fails as it does
-    // on a closed stream.
+    // A new file gets the lowest free number. For reading only: printing fails as on a closed stream.
     int file = 0;
     do
         file = ::open("/dev/null", O_RDONLY);

@@ -29,9 +29,8 @@ template <class... Values>
 /// How the program ends.
 enum exit_status : int { success = 0, failed = 1, bad_input = 2, interrupted_by_user = 130 };
 
-/// To be called first of all. Closed streams are taken up, so that no file that is opened later gets their
-/// numbers and with them what is printed; a pipe that nobody reads and a file beyond the allowed size become
-/// errors of the writing in place of the end.
+/// To be called first. Takes up closed streams, lest files opened later get what is printed; makes errors of
+/// pipes that nobody reads and of files beyond the allowed size, in place of the end.
 void prepare_standard_streams() noexcept;
 
 /// To the standard error, at once, if it can be.
@@ -50,6 +49,7 @@ void tell(fmt::format_string<Values...> sentence, Values&&... values) noexcept {
 class progress {
 public:
     progress();
+    ~progress() { end_line(); }
     /// Shows the text if it is time to; the last one of all should be `final`.
     void show(const std::string& text, bool final = false);
     /// Ends the line, if there is one, so that something else can be written.

@@ -9,25 +9,17 @@
 #include "console.hpp"
 #include "methods/description.hpp"
 
-#include <tactnet/io/file_error.hpp>
-
-#include <CLI/CLI.hpp>
-
 #include <exception>
 #include <new>
 #include <sstream>
 #include <stack.hpp>
-#include <string>
-#include <system_error>
-#include <utility>
-#include <vector>
 
 namespace {
 
 int run(int count, char** arguments) {
     CLI::App program(
         "Recognises touched objects from the pressure images of tactile arrays (instruction set: " +
-            std::string(program_instruction_set()) + ")",
+            describe_program().at("instruction_set") + ")",
         "tactnet");
     program.require_subcommand(1);
     program.option_defaults()->always_capture_default();

@@ -50,14 +50,6 @@ std::optional<double> number_of(std::string_view text) {
     return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
-std::optional<std::pair<std::size_t, std::size_t>> size_of(std::string_view text) {
-    const std::size_t middle = std::min(text.find('x'), text.size());
-    const auto rows = whole_number_of(text.substr(0, middle)),
-               columns = whole_number_of(text.substr(std::min(middle + 1, text.size())));
-    return rows && columns ? std::optional(std::pair<std::size_t, std::size_t>(*rows, *columns))
-                           : std::nullopt;
-}
-
 CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
     return check(fmt::format("a whole number from {} to {}", least, most),
                  fmt::format("{} to {}", least, most), whole_number_of,
@@ -66,10 +58,6 @@ CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
 
 CLI::Validator positive_number() {
     return check("a number above 0", "above 0", number_of, [](double value) { return value > 0; });
-}
-
-CLI::Validator size() {
-    return check("sizes such as 28x50", "such as 28x50", size_of, [](const auto&) { return true; });
 }
 
 CLI::Validator share() {

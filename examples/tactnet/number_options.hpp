@@ -11,14 +11,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 
 /// Decimal digits without leading zeros, which others read as octal. Nothing for other text, or from 2^64 on.
 std::optional<std::uint64_t> whole_number_of(std::string_view text);
 /// A finite number, decimal. Nothing for other text such as nan and inf, or beyond what a double holds.
 std::optional<double> number_of(std::string_view text);
-/// Rows and columns, of text such as 28x50.
-std::optional<std::pair<std::size_t, std::size_t>> size_of(std::string_view text);
 
 /// Whether it is a share of a whole of which something is left: 0 to below 1.
 constexpr bool is_share(double value) {
@@ -26,13 +23,16 @@ constexpr bool is_share(double value) {
 }
 
 /// Checks for CLI11; both limits are allowed values.
-CLI::Validator whole_number(std::uint64_t least, std::uint64_t most);
-inline CLI::Validator seed() {
-    return whole_number(0, std::numeric_limits<std::uint64_t>::max());
-}
+CLI::Validator whole_number(std::uint64_t least,
+                            std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
 /// A number above 0.
 CLI::Validator positive_number();
 /// A number from 0 to below 1.
 CLI::Validator share();
-/// Rows and columns.
-CLI::Validator size();
+
+/// An option whose value is checked.
+template <class Value>
+void add_option(CLI::App& command, const std::string& names, Value& value, const CLI::Validator& check,
+                const std::string& description) {
+    command.add_option(names, value, description)->check(check);
+}

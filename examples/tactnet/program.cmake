@@ -127,8 +127,7 @@ std::vector<std::unique_ptr<method>> make_methods() {
 
     add_library(${target}_units OBJECT ${sources})
     add_executable(
-        ${target} $<TARGET_OBJECTS:tactnet_program_commands> $<TARGET_OBJECTS:tactnet_program_scenes>
-                  $<TARGET_OBJECTS:${target}_units> "${folder}/method_list.cpp"
+        ${target} $<TARGET_OBJECTS:tactnet_program_commands> $<TARGET_OBJECTS:${target}_units> "${folder}/method_list.cpp"
     )
     foreach(part IN ITEMS ${target}_units ${target})
         tactnet_use(${part})
@@ -137,6 +136,6 @@ std::vector<std::unique_ptr<method>> make_methods() {
     if(NOT CMAKE_CXX_COMPILER_LAUNCHER)
         target_precompile_headers(${target}_units REUSE_FROM tactnet_program_methods)
     endif()
-    target_link_libraries(${target} PRIVATE tactnet::simulation tactnet_quick_to_compile)
+    target_link_libraries(${target} PRIVATE tactnet_quick_to_compile)
     set_target_properties(${target} PROPERTIES TACTNET_UNITS "${compiled}")
 endfunction()

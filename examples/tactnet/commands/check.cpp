@@ -23,17 +23,10 @@ struct checked_image {
     std::string name; ///< below the folder, printable
     std::size_t label;
     std::string size = "unreadable";
-    std::string unreadable{}; ///< why it cannot be read; then nothing of what follows is known
+    std::string unreadable{}; ///< why it cannot be read; then it has no pixels
     tactnet::grey_image image{};
-
-    /// Tactels of that count or more.
-    std::size_t count(std::uint8_t least) const {
-        return static_cast<std::size_t>(
-            std::ranges::count_if(image.pixels, [=](std::uint8_t pixel) { return pixel >= least; }));
-    }
-    bool one_value() const {
-        return std::ranges::all_of(image.pixels, [&](auto pixel) { return pixel == image.pixels.front(); });
-    }
+    std::size_t pressed = 0, full = 0; ///< tactels above 0 and at 255
+    bool one_value = true;             ///< all tactels have the same
 };
 
 std::string name_in(const std::filesystem::path& folder, const std::filesystem::path& path) {
@@ -52,6 +45,11 @@ std::vector<checked_image> read_images(const tactnet::image_folder& list,
         } catch (const tactnet::file_error& error) {
             found.unreadable = "expected " + error.expected() + ", found " + error.found();
         }
+        for (const std::uint8_t pixel : found.image.pixels) {
+            found.pressed += pixel > 0;
+            found.full += pixel == 255;
+            found.one_value = found.one_value && pixel == found.image.pixels.front();
+        }
     }
     return images;
 }
@@ -60,8 +58,7 @@ std::vector<checked_image> read_images(const tactnet::image_folder& list,
 std::string usual_size(const std::vector<checked_image>& images) {
     std::map<std::string, std::size_t> sizes{{"", 0}};
     for (const checked_image& found : images)
-        if (found.unreadable.empty())
-            ++sizes[found.size];
+        sizes[found.size] += found.unreadable.empty();
     return std::ranges::max_element(sizes, {}, [](const auto& size) { return size.second; })->first;
 }
 
@@ -99,13 +96,12 @@ std::vector<std::string> problems_of(const checked_image& found, const std::stri
     if (found.size != usual)
         problems.push_back(
             fmt::format("expected {} as most images, or --resize in training, found {}", usual, found.size));
-    const std::size_t pressed = found.count(1), full = found.count(255);
-    if (found.one_value() && full == 0)
+    if (found.one_value && found.full == 0)
         problems.emplace_back("expected a touch, found the same value in all tactels");
-    if (full > 0 && 2 * full >= pressed)
+    if (found.full > 0 && 2 * found.full >= found.pressed)
         problems.push_back(
             fmt::format("expected pressures that the sensor can tell, found {} of {} pressed tactels at 255",
-                        full, pressed));
+                        found.full, found.pressed));
     return problems;
 }
 
@@ -139,23 +135,22 @@ int check_data(const std::filesystem::path& folder) {
     std::vector<std::string> problems, copies;
     for (const checked_image& found : images) {
         const checked_image* original = nullptr;
-        if (found.unreadable.empty() && !found.one_value())
-            if (const auto [same, is_new] = first.try_emplace({found.size, found.image.pixels}, &found);
+        if (!found.one_value)
+            if (const auto& [same, is_new] = first.try_emplace({found.size, found.image.pixels}, &found);
                 !is_new)
                 original = same->second;
         for (counts* line : {&lines[found.label], &lines.back()}) {
             ++line->images;
             line->copies += original != nullptr;
-            line->full += found.count(255) > 0;
+            line->full += found.full > 0;
             if (std::ranges::find(line->sizes, found.size) == line->sizes.end())
                 line->sizes.push_back(found.size);
         }
         for (const std::string& problem : problems_of(found, usual))
             problems.push_back(found.name + ": " + problem);
         if (original != nullptr && original->label == found.label) // no problem: a sensor may repeat a frame
-            copies.push_back(fmt::format("{} is a copy of {}: a random split may train on one and test the "
-                                         "other",
-                                         found.name, original->name));
+            copies.push_back(found.name + " is a copy of " + original->name +
+                             ": a random split may train on one and test the other");
         else if (original != nullptr)
             problems.push_back(found.name + ": expected an image of one class, found a copy of " +
                                original->name);

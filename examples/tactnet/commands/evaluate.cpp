@@ -7,13 +7,12 @@
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
 #include "reports/pictures.hpp"
-#include "study/pictures.hpp"
+#include "study/page.hpp"
 
 #include <tactnet/svm/feature_rows.hpp>
 
 #include <cmath>
 #include <interrupt.hpp>
-#include <iterator>
 #include <set>
 #include <thread>
 
@@ -33,22 +32,20 @@ struct evaluate_options {
 /// "confusion_tactnet6_28x50" in the folder of results.
 std::filesystem::path picture_stem(const evaluate_options& o, std::string_view kind, const candidate& c,
                                    std::size_t bits) {
-    return std::filesystem::path(o.results) / fmt::format("{}_{}_{}x{}{}", kind, c.what->name, c.what->rows,
-                                                          c.what->columns, bits == 8 ? "_8bit" : "");
+    return std::filesystem::path(o.results) /
+           fmt::format("{}_{}_{}{}", kind, c.what->name, c.what->size(), bits == 8 ? "_8bit" : "");
 }
 
 /// All that was asked for. Throws usage_error.
 candidate_list candidates_of(const evaluate_options& o) {
     candidate_list chosen;
-    std::vector<std::pair<std::size_t, std::size_t>> sizes;
-    for (const std::string& text : o.sizes)
-        sizes.push_back(*size_of(text));
+    std::vector<std::string> sizes = o.sizes;
     if (sizes.empty())
-        sizes.emplace_back(o.training.rows, o.training.columns);
-    for (const auto& [rows, columns] : sizes)
+        sizes.push_back(fmt::format("{}x{}", o.training.rows, o.training.columns));
+    for (const std::string& size : sizes)
         for (const std::string& name : o.methods) {
-            candidate& c = chosen.emplace_back(candidate{&find_method(name, rows, columns), o.training});
-            c.training.rows = rows, c.training.columns = columns;
+            candidate& c = chosen.emplace_back(candidate{&find_method(name, size), o.training});
+            c.training.rows = c.what->rows, c.training.columns = c.what->columns;
         }
     // A setting for some of the methods is no mistake of the others.
     const bool pretrained = std::ranges::any_of(
@@ -58,9 +55,7 @@ candidate_list candidates_of(const evaluate_options& o) {
         if (pretrained && !c.what->pretrained())
             c.training.pretrained.clear();
         if (network && !c.what->is_network())
-            c.training = without_epochs(c.training);
-        if (!may_be_thorough(*c.what))
-            c.training.unknown = 0;
+            static_cast<epoch_settings&>(c.training) = {};
         static_cast<void>(recipe_for(*c.what, c.training));
     }
     return chosen;
@@ -117,29 +112,25 @@ int evaluate(const evaluate_options& o) {
     const std::vector<task> all = tasks_of(candidates, plan);
     if (!train_all(all, o.jobs, results))
         return interrupted_by_user;
-    const pinned here;
+    stay_on_this_core();
     report(o, candidates, rows_of(candidates, plan, all, results, [](const method& what, std::size_t bits) {
                return measure_latency(what.make_work(bits), what.frames_together());
            }));
     return success;
 }
 
-/// Throws tactnet::file_error unless the folder's classes are those of the weights.
+/// Throws usage_error unless the folder's classes are those of the weights.
 void check_classes(const evaluate_options& o, const loaded_weights& weights,
                    const std::vector<std::string>& classes) {
     if (classes.size() != weights.classes.size())
-        throw tactnet::file_error(
-            o.data, "",
-            fmt::format("{} classes, as {} tells apart", weights.classes.size(), o.weights.weights),
-            fmt::to_string(classes.size()));
+        refuse("{}: expected {} classes, as {} tells apart, found {}", o.data, weights.classes.size(),
+               o.weights.weights, classes.size());
     const auto [expected, found] =
         std::mismatch(weights.classes.begin(), weights.classes.end(), classes.begin());
     if (weights.named && found != classes.end())
-        throw tactnet::file_error(o.data, "",
-                                  fmt::format("the classes of {}, of which number {} is {}",
-                                              o.weights.weights, found - classes.begin(),
-                                              tactnet::in_quotes(*expected)),
-                                  tactnet::in_quotes(*found));
+        refuse("{}: expected the classes of {}, of which number {} is {}, found {}", o.data,
+               o.weights.weights, found - classes.begin(), tactnet::in_quotes(*expected),
+               tactnet::in_quotes(*found));
 }
 
 /// Tests a weight file instead of training: on the test images of its split, or on all images of a folder.
@@ -148,8 +139,9 @@ int evaluate_weights(const evaluate_options& o) {
         return std::filesystem::path(o.results) /
                (kind + std::filesystem::path(o.weights.weights).stem().string());
     };
-    std::vector<named_file> outputs = picture_files("--results", stem("confusion_"));
-    std::ranges::move(picture_files("--results", stem("reliability_")), std::back_inserter(outputs));
+    std::vector<named_file> outputs;
+    for (const char* kind : {"confusion_", "reliability_"})
+        add_picture(outputs, "--results", stem(kind));
     check_outputs({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs, o.data);
     const loaded_weights weights = load_weights(o.weights);
     const method& what = *weights.what;
@@ -163,14 +155,14 @@ int evaluate_weights(const evaluate_options& o) {
         split = stored_split(o.weights.weights, weights.metadata, o.data, data);
     const std::vector<std::size_t>& chosen = split.test;
     if (chosen.empty())
-        throw tactnet::file_error(o.weights.weights, "", "a split with test images, or --images all", "none");
+        refuse("{}: expected a split with test images, or --images all, found none", o.weights.weights);
 
     tactnet::thread_pool threads(o.jobs);
     const tactnet::evaluation result = weights.trained->evaluate(data.view(), chosen, threads);
     plot_confusion(stem("confusion_"), o.weights.weights, result.confusion, classes);
     print(table({{"method", "size", "images", "right", "accuracy, %", "loss"},
-                 {what.name, fmt::format("{}x{}", what.rows, what.columns),
-                  fmt::to_string(result.confusion.total()), fmt::to_string(result.confusion.correct()),
+                 {what.name, what.size(), fmt::to_string(result.confusion.total()),
+                  fmt::to_string(result.confusion.correct()),
                   fmt::format("{:.2f}", 100 * result.confusion.accuracy()),
                   std::isnan(result.loss) ? "none" : fmt::format("{:.4f}", result.loss)}}));
     if (result.logits.empty())
@@ -178,7 +170,7 @@ int evaluate_weights(const evaluate_options& o) {
     study_row row = make_row(what.name, what.rows, what.columns, "", weights.trained->bits());
     put_calibration(row, calibration_of(result, chosen, data, weights.scaling));
     plot_reliability(stem("reliability_"), o.weights.weights, *row.probabilities);
-    if (may_be_thorough(what)) {
+    if (what.begins_at_random()) {
         const tactnet::evaluation validation =
             weights.trained->evaluate(data.view(), split.validation, threads);
         if (const auto scaling = fit_temperature(validation, split.validation, data))
@@ -189,16 +181,6 @@ int evaluate_weights(const evaluate_options& o) {
         if (t.cells.size() > 1)
             print('\n' + table(without_empty_columns(t.cells)));
     return success;
-}
-
-/// Which trainings, and where their results go.
-void add_run_options(CLI::App& app, evaluate_options& o) {
-    add_split_options(app, o.split, o.splits, o.jobs);
-    app.add_option("--seed", o.first_seed, "Seed of the first split; the others follow")->check(seed());
-    app.add_option("--results", o.results,
-                   "Folder for results; trainings that are finished there are not repeated");
-    app.add_flag("--afresh", o.afresh,
-                 "Discard the finished trainings in that folder, for example after a change of the library");
 }
 
 /// What options for trainings say about a weight file.
@@ -235,17 +217,19 @@ command add_evaluate(CLI::App& program) {
            "--sizes", o->sizes,
            "Sizes, such as 28x50,14x25, in place of --rows and --columns; images of another size need "
            "--resize")
-        ->delimiter(',')
-        ->check(size());
+        ->delimiter(',');
     add_bits_option(*app, o->training.bits,
                     "8: each training also as a network in 8 bits, with the ranges of maps from its training "
                     "images");
-    add_unknown_option(*app, o->training.unknown);
-    add_run_options(*app, *o);
+    add_split_options(*app, o->split, o->splits, o->jobs, o->training.unknown);
+    add_option(*app, "--seed", o->first_seed, whole_number(0), "Seed of the first split; the others follow");
+    app->add_option("--results", o->results,
+                    "Folder for results; trainings that are finished there are not repeated");
+    app->add_flag("--afresh", o->afresh,
+                  "Discard the finished trainings in that folder, for example after a change of the library");
     add_weight_options(*app, o->weights, false);
-    app->add_option("--images", o->images,
-                    "With --weights: the 'test' images of the split it was trained on, or 'all'")
-        ->check(CLI::IsMember({"test", "all"}));
+    add_option(*app, "--images", o->images, CLI::IsMember({"test", "all"}),
+               "With --weights: the 'test' images of the split it was trained on, or 'all'");
     return [o, app] {
         if (o->weights.weights.empty()) {
             if (o->methods.empty())

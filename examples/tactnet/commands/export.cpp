@@ -1,5 +1,4 @@
-// tactnet export: a weight file becomes a C++ header, for targets without files; with --bits 8 of 8 bits, or
-// as another weight file.
+// tactnet export: a weight file becomes a C++ header, or with --bits 8 one in 8 bits or another weight file.
 
 #include "commands/commands.hpp"
 #include "data/image_data.hpp"
@@ -52,23 +51,15 @@ void check(const export_options& o) {
 /// The network of the file in 8 bits.
 std::unique_ptr<trained_network> turned_to_bytes(const export_options& o, const loaded_weights& weights) {
     if (weights.trained->bits() == 8)
-        throw tactnet::file_error(o.weights.weights, "metadata 'bits'",
-                                  "weights in single precision, of which --bits 8 makes bytes", "'8'");
+        refuse("{}: metadata 'bits': expected weights in single precision, of which --bits 8 makes bytes, "
+               "found '8'",
+               o.weights.weights);
     check_bits(*weights.what, o.bits);
     const image_data data = load_data(o.data, weights.what->rows, weights.what->columns, o.weights.resize);
     return in_eight_bits(*weights.trained, data.view(),
                          o.images == "all"
                              ? tactnet::all_samples(data.images.size())
                              : stored_split(o.weights.weights, weights.metadata, o.data, data).training);
-}
-
-/// What the file said of itself, but for its tests in single precision.
-tactnet::file_metadata metadata_in_bytes(const loaded_weights& weights) {
-    tactnet::file_metadata metadata = weights.metadata;
-    metadata["network"] = weights.what->name;
-    for (const char* key : {"epsilon", "input_scale", "test_accuracy", "validation_accuracy"})
-        metadata.erase(key);
-    return metadata;
 }
 
 int export_network(const export_options& o) {
@@ -88,8 +79,12 @@ int export_network(const export_options& o) {
         tell("in 8 bits {}\n", in_bytes->calibration());
     }
     if (is_weight_file(o)) {
+        tactnet::file_metadata metadata = weights.metadata;
+        metadata["network"] = weights.what->name;
+        for (const char* key : {"epsilon", "input_scale", "test_accuracy", "validation_accuracy"})
+            metadata.erase(key); // which are of single precision
         make_folder_of(o.output);
-        network->save(o.output, metadata_in_bytes(weights), frames);
+        network->save(o.output, metadata, frames);
         return success;
     }
     tactnet::header_description says{
@@ -124,14 +119,11 @@ command add_export(CLI::App& program) {
     add_bits_option(*app, o->bits,
                     "8: turn weights in single precision into 8 bits; a file in 8 bits needs no such option");
     app->add_option("--data", o->data, "With --bits 8: the folder of images that the network was trained on");
-    app->add_option("--images", o->images,
-                    "Use the 'training' images of its split, or 'all' images; never use test images")
-        ->check(CLI::IsMember({"training", "all"}));
+    add_option(*app, "--images", o->images, CLI::IsMember({"training", "all"}),
+               "Use the 'training' images of its split, or 'all' images; never use test images");
     app->add_option("--namespace", o->namespace_name, "Namespace of the header");
-    app->add_option(
-           "--packing", o->packing,
-           "When weights are packed (default: when-compiling if that stays within the usual limits of "
-           "compilers)")
-        ->check(CLI::IsMember({"when-compiling", "at-start"}));
+    add_option(*app, "--packing", o->packing, CLI::IsMember({"when-compiling", "at-start"}),
+               "When weights are packed (default: when-compiling if that stays within the usual limits of "
+               "compilers)");
     return [o] { return export_network(*o); };
 }

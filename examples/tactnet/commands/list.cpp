@@ -20,8 +20,8 @@ int list(std::optional<std::size_t> classes) {
     for (const auto& m : all_methods()) {
         const std::size_t k = classes.value_or(std::min(m->capacity, most_classes()));
         const method_costs c = m->costs(k);
-        rows.push_back({m->name, fmt::format("{}x{}", m->rows, m->columns), fmt::to_string(k),
-                        grouped(c.parameters), grouped(c.multiply_adds), grouped(c.multiply_adds_on_pixels),
+        rows.push_back({m->name, m->size(), fmt::to_string(k), grouped(c.parameters),
+                        grouped(c.multiply_adds), grouped(c.multiply_adds_on_pixels),
                         grouped(c.parameter_bytes), grouped(c.activation_bytes)});
     }
     print(table(rows));
@@ -33,8 +33,7 @@ int list(std::optional<std::size_t> classes) {
 command add_list(CLI::App& program) {
     auto* app = program.add_subcommand("list", "List the methods that were compiled in, with their costs");
     auto classes = std::make_shared<std::optional<std::size_t>>();
-    app->add_option("--classes", *classes,
-                    "Number of classes, 2 or more (default: the maximum of this program)")
-        ->check(whole_number(2, most_classes()));
+    add_option(*app, "--classes", *classes, whole_number(2, most_classes()),
+               "Number of classes, 2 or more (default: the maximum of this program)");
     return [classes] { return list(*classes); };
 }

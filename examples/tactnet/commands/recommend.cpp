@@ -29,9 +29,8 @@ std::vector<nlohmann::json> networks_in(const std::filesystem::path& path, const
             found.push_back(std::move(line));
     });
     if (read < all)
-        throw tactnet::file_error(path.string(), fmt::format("line {}", read + 1),
-                                  fmt::format("{} rows of tactnet study", all),
-                                  fmt::format("the end behind {}", read));
+        refuse("{}: line {}: expected {} rows of tactnet study, found the end behind {}", path.string(),
+               read + 1, all, read);
     return found;
 }
 
@@ -45,9 +44,8 @@ int recommend(const recommend_options& o) {
     const std::filesystem::path path = std::filesystem::path(o.results) / "study.jsonl";
     std::vector<nlohmann::json> all = networks_in(path, o.split);
     if (all.empty())
-        throw tactnet::file_error(path.string(), "",
-                                  fmt::format("networks that were timed, and tested on {} splits", o.split),
-                                  "none");
+        refuse("{}: expected networks that were timed, and tested on {} splits, found none", path.string(),
+               o.split);
     const auto by = [](const std::string& member) {
         return [member](const nlohmann::json& row) { return row.at(member).get<double>(); };
     };
@@ -83,14 +81,13 @@ command add_recommend(CLI::App& program) {
         "recommend", "Print the most accurate network of a study within a budget, and its C++ type");
     auto o = std::make_shared<recommend_options>();
     app->add_option("--results", o->results, "Folder of a study");
-    app->add_option("--microseconds", o->microseconds, "Maximum time per frame")->check(positive_number());
-    app->add_option("--bytes", o->bytes, "Maximum size of the weights")
-        ->check(whole_number(1, 1'000'000'000'000));
-    app->add_option("--rows", o->rows, "Rows of the sensor, or fewer after resizing")
-        ->check(whole_number(1, 100'000));
-    app->add_option("--columns", o->columns, "Columns of the sensor, or fewer after resizing")
-        ->check(whole_number(1, 100'000));
-    app->add_option("--split", o->split, "Splits to compare by: 'random' or 'blocked'")
-        ->check(CLI::IsMember({"random", "blocked"}));
+    add_option(*app, "--microseconds", o->microseconds, positive_number(), "Maximum time per frame");
+    add_option(*app, "--bytes", o->bytes, whole_number(1, 1'000'000'000'000), "Maximum size of the weights");
+    add_option(*app, "--rows", o->rows, whole_number(1, 100'000),
+               "Rows of the sensor, or fewer after resizing");
+    add_option(*app, "--columns", o->columns, whole_number(1, 100'000),
+               "Columns of the sensor, or fewer after resizing");
+    add_option(*app, "--split", o->split, CLI::IsMember({"random", "blocked"}),
+               "Splits to compare by: 'random' or 'blocked'");
     return [o] { return recommend(*o); };
 }

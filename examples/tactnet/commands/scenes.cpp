@@ -4,46 +4,33 @@
 #include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
 
-#include <algorithm>
 #include <array>
-#include <utility>
+#include <memory>
 
 namespace {
 
 template <class Scene>
-class scene_simulator final : public simulator {
-public:
-    explicit scene_simulator(Scene scene = {}) : scene_(std::move(scene)) {}
-
-    simulated_image image(std::size_t label, std::uint64_t seed, std::uint32_t number) override {
-        tactnet::simulation::simulate_paper_touch(scene_, label, seed, number, frames_);
-        simulated_image result{std::vector<std::uint8_t>(Scene::output.size()), frames_.contact.converged};
-        std::ranges::transform(frames_.measured, result.counts.begin(),
-                               [](float count) { return static_cast<std::uint8_t>(count); });
-        return result;
-    }
-
-private:
-    Scene scene_;
-    typename Scene::frames frames_;
-};
+simulator simulator_of(Scene scene) {
+    const auto own = std::make_shared<Scene>(std::move(scene));
+    const auto frames = std::make_shared<typename Scene::frames>();
+    return [own, frames](std::size_t label, std::uint64_t seed, std::uint32_t number) -> simulated_image {
+        tactnet::simulation::simulate_paper_touch(*own, label, seed, number, *frames);
+        const auto& counts = frames->measured; // whole numbers of 8 bits
+        return {{counts.begin(), counts.end()}, frames->contact.converged};
+    };
+}
 
 template <class Scene>
 constexpr simulated_scene named(std::string_view name, std::string_view says) {
-    return {name, says, Scene::output.rows, Scene::output.columns,
-            []() -> std::unique_ptr<simulator> { return std::make_unique<scene_simulator<Scene>>(); }};
+    return {name, says, Scene::output.rows, Scene::output.columns, [] { return simulator_of(Scene()); }};
 }
 
 /// A sensor of such a layer.
 template <const tactnet::simulation::bonded_layer& Layer>
 constexpr simulated_scene on_layer(std::string_view name, std::string_view says) {
-    using tactnet::simulation::compliant_scene, tactnet::simulation::contact,
-        tactnet::simulation::bonded_layer;
+    using namespace tactnet::simulation;
     return {name, says, compliant_scene::output.rows, compliant_scene::output.columns,
-            []() -> std::unique_ptr<simulator> {
-                return std::make_unique<scene_simulator<compliant_scene>>(
-                    compliant_scene({}, {}, contact<bonded_layer>{Layer}));
-            }};
+            [] { return simulator_of(compliant_scene({}, {}, contact<bonded_layer>{Layer})); }};
 }
 
 } // namespace

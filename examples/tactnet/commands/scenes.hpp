@@ -5,7 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -15,19 +15,14 @@ struct simulated_image {
     bool settled = true;              ///< whether the contact was found
 };
 
-/// A scene at work, for one thread.
-class simulator {
-public:
-    virtual ~simulator() = default;
-    /// Touch `number` of a class, which is an index of simulation::paper_objects: the same bits wherever it
-    /// is made.
-    virtual simulated_image image(std::size_t label, std::uint64_t seed, std::uint32_t number) = 0;
-};
+/// A scene at work, for one thread: touch `number` of a class, which is an index of
+/// simulation::paper_objects; the same bits wherever it is made.
+using simulator = std::function<simulated_image(std::size_t label, std::uint64_t seed, std::uint32_t number)>;
 
 struct simulated_scene {
     std::string_view name, says;
     std::size_t rows, columns;
-    std::unique_ptr<simulator> (*make)();
+    simulator (*make)();
 };
 
 std::span<const simulated_scene> simulated_scenes();

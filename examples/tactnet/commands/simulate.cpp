@@ -14,7 +14,6 @@
 
 #include <atomic>
 #include <decode_image.hpp>
-#include <exception>
 #include <interrupt.hpp>
 #include <mutex>
 #include <thread>
@@ -29,18 +28,17 @@ struct simulate_options {
     std::uint64_t seed = 1;
 };
 
-/// Throws file_error where the folder's note says anything else.
+/// Throws usage_error where the folder's note says anything else.
 void check_note(const std::filesystem::path& note, const std::string& says) {
     check_no_device(note);
     const auto bytes = tactnet::read_file(note, std::size_t{1} << 20);
     const std::string_view found(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (found != says + '\n')
-        throw tactnet::file_error(note.string(), "",
-                                  "images of the same simulation, " + says + ", or another folder",
-                                  tactnet::in_quotes(found, 200));
+        refuse("{}: expected images of the same simulation, {}, or another folder, found {}", note.string(),
+               says, tactnet::in_quotes(found, 200));
 }
 
-/// But for what a killed simulation left where the system has no locks that would show that it is dead.
+/// But for what a killed simulation left where no locks show that it is dead.
 bool is_as_good_as_empty(const std::filesystem::path& folder) {
     std::error_code code;
     const std::filesystem::directory_iterator entries(folder, code);
@@ -49,9 +47,8 @@ bool is_as_good_as_empty(const std::filesystem::path& folder) {
     });
 }
 
-/// A folder belongs to what it says of itself: one that was begun with the same settings is continued, any
-/// other is left alone. The note comes first, so that whatever ends the program later leaves a folder to go
-/// on with.
+/// A folder begun with the same settings is continued, any other left alone. The note that says them comes
+/// first, so that whatever ends the program later leaves a folder to go on with.
 void claim_folder(const simulate_options& o) {
     const std::filesystem::path folder = o.out, note = folder / "simulation.json";
     const std::string says =
@@ -69,9 +66,8 @@ void claim_folder(const simulate_options& o) {
         if (folder.empty() ||
             (std::filesystem::exists(folder, code) &&
              (!std::filesystem::is_directory(folder, code) || !is_as_good_as_empty(folder))))
-            throw tactnet::file_error(o.out, "",
-                                      "a new folder, an empty one, or one that a simulation has begun",
-                                      folder.empty() ? "no name" : "something else");
+            refuse("{}expected a new folder, an empty one, or one that a simulation has begun, found {}",
+                   folder.empty() ? "" : o.out + ": ", folder.empty() ? "no name" : "something else");
         make_folder_of(note);
         tactnet::write_file(note, says + '\n');
     }
@@ -89,17 +85,16 @@ int simulate(const simulate_options& o) {
     stopwatch watch;
     progress shown;
     std::mutex mutex; // of what follows
-    std::exception_ptr problem;
     std::size_t done = 0, unsettled = 0;
     std::atomic<bool> stop = false;
     const std::size_t all = o.per_class * paper_objects.size();
-    const auto make = [&](simulator& simulates, std::size_t index) {
+    const auto make = [&](const simulator& simulates, std::size_t index) {
         const std::size_t family = index % paper_objects.size(), number = index / paper_objects.size();
         const auto file =
             std::filesystem::path(o.out) / paper_objects[family].name / fmt::format("{:05}.png", number + 1);
         bool settled = true;
         if (!std::filesystem::exists(file)) {
-            const simulated_image image = simulates.image(family, o.seed, static_cast<std::uint32_t>(number));
+            const simulated_image image = simulates(family, o.seed, static_cast<std::uint32_t>(number));
             write_png(file, scene.rows, scene.columns, image.counts);
             settled = image.settled;
         }
@@ -112,19 +107,16 @@ int simulate(const simulate_options& o) {
     };
     threads.on_each_thread([&](auto share) {
         try {
-            const auto simulates = scene.make();
+            const simulator simulates = scene.make();
             for (std::size_t index = share.begin(all); index < share.end(all) && !stop && !interrupted();
                  ++index)
-                make(*simulates, index);
-        } catch (...) {
-            const std::lock_guard lock(mutex);
-            problem = std::current_exception();
+                make(simulates, index);
+        } catch (...) { // the pool passes it on once all have ended
             stop = true;
+            throw;
         }
     });
     shown.end_line();
-    if (problem)
-        std::rethrow_exception(problem);
     if (done < all) {
         tell("stopped after {} of {} images; the same command goes on\n", done, all);
         return interrupted_by_user;
@@ -145,18 +137,17 @@ command add_simulate(CLI::App& program) {
                     "Folder to write: one subfolder per class, each with 28 x 50 8-bit PNG images")
         ->type_name("FOLDER")
         ->required();
-    app->add_option("--per-class", o->per_class, "Images of each class")->check(whole_number(1, 100'000));
-    app->add_option("--seed", o->seed, "Seed of all random draws; the same seed gives bit-identical images")
-        ->check(seed());
+    add_option(*app, "--per-class", o->per_class, whole_number(1, 100'000), "Images of each class");
+    add_option(*app, "--seed", o->seed, whole_number(0),
+               "Seed of all random draws; the same seed gives bit-identical images");
     std::vector<std::string> names;
     std::string says = "What is simulated:";
     for (const simulated_scene& scene : simulated_scenes()) {
         says += fmt::format("{} '{}' {}", names.empty() ? "" : ";", scene.name, scene.says);
         names.emplace_back(scene.name);
     }
-    app->add_option("--scene", o->scene, says)->check(CLI::IsMember(names));
-    app->add_option("--threads", o->threads,
-                    "Number of threads; the images do not depend on it (default: one per core)")
-        ->check(whole_number(1, 1024));
+    add_option(*app, "--scene", o->scene, CLI::IsMember(names), says);
+    add_option(*app, "--threads", o->threads, whole_number(1, 1024),
+               "Number of threads; the images do not depend on it (default: one per core)");
     return [o] { return simulate(*o); };
 }

@@ -7,7 +7,7 @@
 #include "methods/registry.hpp"
 #include "methods/training_settings.hpp"
 #include "reports/pictures.hpp"
-#include "study/pictures.hpp"
+#include "study/page.hpp"
 
 #include <tactnet/io/write_file.hpp>
 
@@ -39,7 +39,7 @@ std::map<std::string, std::string, std::less<>> pretrained_files(const study_opt
         const std::size_t middle = text.find('=');
         const std::string name = text.substr(0, middle);
         if (middle == std::string::npos ||
-            std::ranges::none_of(photograph_networks::all, [&](const auto& n) { return n.name == name; }))
+            std::ranges::none_of(photograph_networks, [&](const auto& n) { return n.name == name; }))
             refuse("--pretrained: expected a network and its file, such as "
                    "squeezenet=FILE, found '{}'",
                    text);
@@ -48,25 +48,23 @@ std::map<std::string, std::string, std::less<>> pretrained_files(const study_opt
     return files;
 }
 
-/// Every method of the program at every size; those that need a file that was not given are reported, and
-/// left out. Throws usage_error.
+/// Every method at every size; those that need a file that was not given are left out. Throws usage_error.
 candidate_list candidates_of(const study_options& o) {
     const auto files = pretrained_files(o);
     candidate_list list;
     for (const auto& m : all_methods()) {
-        const std::string size = fmt::format("{}x{}", m->rows, m->columns);
-        if (!chosen(o.methods, m->name) || !chosen(o.sizes, size))
+        if (!chosen(o.methods, m->name) || !chosen(o.sizes, m->size()))
             continue;
         training_settings settings;
         settings.rows = m->rows, settings.columns = m->columns;
         settings.resize = true;
         settings.bits = o.bits == 8 && m->has_eight_bit_form() ? 8 : 32;
-        settings.unknown = may_be_thorough(*m) ? o.unknown : 0;
+        settings.unknown = o.unknown;
         if (const auto needed = m->pretrained()) {
             const auto file = files.find(needed->network.name);
             if (file == files.end()) {
                 tell("{} {} is left out: it needs {} trained on photographs, --pretrained {}=FILE\n", m->name,
-                     size, needed->network.title, needed->network.name);
+                     m->size(), needed->network.title, needed->network.name);
                 continue;
             }
             settings.pretrained = file->second;
@@ -74,7 +72,7 @@ candidate_list candidates_of(const study_options& o) {
         std::set<std::string> tried; // recipes that come to the same
         for (const std::string& recipe : o.recipes) {
             if ((recipe == "published" && !(m->is_network() && m->published)) ||
-                (recipe == "thorough" && !may_be_thorough(*m)))
+                (recipe == "thorough" && !m->begins_at_random()))
                 continue;
             settings.recipe = recipe;
             if (tried.insert(std::string(recipe_for(*m, settings).name)).second)
@@ -145,33 +143,30 @@ bool time_all(const candidate_list& candidates, timing_list& timings, const std:
                     "waiting for another program that times methods for this folder"))
         return false;
     timings.read_on();
-    const pinned here;
+    stay_on_this_core();
     std::vector<timed_form> missing = forms_of(candidates);
     std::erase_if(missing,
                   [&](const timed_form& form) { return timings.find(*form.first, form.second) != nullptr; });
     progress line;
     for (std::size_t i = 0; i < missing.size(); ++i) {
-        if (interrupted()) {
-            line.end_line();
+        if (interrupted())
             return false;
-        }
         const auto& [form, bits] = missing[i];
         const method& what = *form;
         const frame_latency found = measure_latency(what.make_work(bits), what.frames_together());
         timings.add(what, bits, found);
-        line.show(fmt::format("{} of {} methods timed: {} {}x{}{}, {:.1f} µs", i + 1, missing.size(),
-                              what.name, what.rows, what.columns, bits == 8 ? " in 8 bits" : "",
-                              found.median),
+        line.show(fmt::format("{} of {} methods timed: {} {}{}, {:.1f} µs", i + 1, missing.size(), what.name,
+                              what.size(), bits == 8 ? " in 8 bits" : "", found.median),
                   i + 1 == missing.size());
     }
     return true;
 }
 
 void report(const std::filesystem::path& folder, const std::vector<study_row>& rows,
-            const report_subject& of) {
+            const std::string& about) {
     write_rows(rows, folder, "study");
     const auto drawn = draw_study_pictures(rows, folder);
-    tactnet::write_file(folder / "study.md", study_page(rows, drawn, of));
+    tactnet::write_file(folder / "study.md", study_page(rows, drawn, about));
     if (const study_row* best = most_accurate(rows, shown_rule(rows)))
         plot_confusion(folder / "confusion", title_of(*best), best->confusion, best->classes);
     print(table(without_empty_columns(methods_table(rows).cells)));
@@ -226,11 +221,10 @@ int study(const study_options& o) {
         std::erase_if(rows, [](const study_row& row) { return row.confusion.classes() == 0; });
     const image_data& data = *candidates.front().data;
     report(folder, rows,
-           {fmt::format("{} images of {} classes in {}; {} {} splits{}", data.images.size(),
-                        data.images.classes.size(), printable(o.data), o.splits,
-                        o.split == "both" ? "random and as many blocked" : o.split,
-                        elsewhere.empty() ? "" : "; " + printable(elsewhere)),
-            text_of(timings.shown())});
+           fmt::format("{} images of {} classes in {}; {} {} splits{}. {}", data.images.size(),
+                       data.images.classes.size(), printable(o.data), o.splits,
+                       o.split == "both" ? "random and as many blocked" : o.split,
+                       elsewhere.empty() ? "" : "; " + printable(elsewhere), text_of(timings.shown())));
     return diverged.empty() ? success : failed;
 }
 
@@ -247,7 +241,7 @@ command add_study(CLI::App& program) {
     std::set<std::string> names, sizes;
     for (const auto& m : all_methods()) {
         names.insert(m->name);
-        sizes.insert(fmt::format("{}x{}", m->rows, m->columns));
+        sizes.insert(m->size());
     }
     const auto add_list = [&](const char* option, std::vector<std::string>& to, const char* says) {
         return app->add_option(option, to, says)->delimiter(',');
@@ -256,14 +250,13 @@ command add_study(CLI::App& program) {
     add_list("--sizes", o->sizes, "Some of the sizes that were compiled in (default: all)")
         ->check(CLI::IsMember(sizes));
     add_list("--recipes", o->recipes, "Some of 'default', 'thorough' and 'published'")
-        ->check(CLI::IsMember(recipe_names()));
-    add_split_options(*app, o->split, o->splits, o->jobs);
+        ->check(CLI::IsMember(recipe_names));
+    add_split_options(*app, o->split, o->splits, o->jobs, o->unknown);
     add_list("--pretrained", o->pretrained,
              "ImageNet-pretrained networks, such as squeezenet=FILE, for the methods that need one");
     add_bits_option(
         *app, o->bits,
         "8: networks in 8 bits too, where that form was compiled in; 32: in single precision alone");
-    add_unknown_option(*app, o->unknown);
     app->add_flag(
         "--report-only", o->report_only,
         "Train and time nothing; report the results in the folder, also those of other versions and "

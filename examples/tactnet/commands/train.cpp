@@ -7,17 +7,16 @@
 #include "files/claims.hpp"
 #include "files/output_files.hpp"
 #include "methods/description.hpp"
+#include "methods/networks/compiled.hpp"
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
 #include "reports/pictures.hpp"
 
 #include <tactnet/io/checkpoint.hpp>
-#include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/text/numbers.hpp>
 
 #include <cmath>
 #include <interrupt.hpp>
-#include <iterator>
 
 namespace {
 
@@ -58,7 +57,7 @@ class train_command {
 public:
     explicit train_command(const train_options& options)
         : o(options),
-          what(find_method(o.method, o.training.rows, o.training.columns)),
+          what(find_method(o.method, fmt::format("{}x{}", o.training.rows, o.training.columns))),
           recipe(recipe_for(what, o.training)),
           weights(o.output),
           checkpoint(o.checkpoint.empty() ? o.output + ".checkpoint" : o.checkpoint),
@@ -90,11 +89,11 @@ public:
                        tactnet::split_data(data.images.labels, classes, rule, o.seed, o.training.shares),
                        o.seed, threads, begins_with);
         begins_with.reset(); // the training has what it needs of it
-        epochs = dynamic_cast<network_training*>(training.get());
+        epochs = dynamic_cast<epoch_training*>(training.get());
         start(*training, from.get());
         const auto& [train, validate, test] = training->split();
-        tell("{} {}x{}, {} classes,{} {} images to train, {} to validate, {} to test\n", o.method, what.rows,
-             what.columns, classes,
+        tell("{} {}, {} classes,{} {} images to train, {} to validate, {} to test\n", o.method, what.size(),
+             classes,
              epochs != nullptr ? fmt::format(" {} parameters:", grouped(what.learnable(classes))) : "",
              train.size(), validate.size(), test.size());
         const stopwatch watch;
@@ -109,15 +108,14 @@ private:
     void check_files() {
         if (!what.is_network() && o.resume)
             refuse("--resume: expected a network, found {}, which is trained in one go", o.method);
-        std::vector<named_file> outputs{{"--output", weights}},
-            claimed{{"--output", weights}, {"--output", reports + ".confusion"}},
-            pictures = picture_files("--output", reports + ".confusion");
-        if (what.is_network()) {
-            outputs.push_back({"--checkpoint", checkpoint});
-            claimed.push_back(outputs.back());
-            std::ranges::move(picture_files("--output", reports + ".learning"), std::back_inserter(pictures));
-        }
-        std::ranges::move(pictures, std::back_inserter(outputs));
+        std::vector<named_file> claimed{{"--output", weights}}, outputs;
+        if (what.is_network())
+            claimed.push_back({"--checkpoint", checkpoint});
+        outputs = claimed;
+        claimed.push_back({"--output", reports + ".confusion"});
+        add_picture(outputs, "--output", reports + ".confusion");
+        if (what.is_network())
+            add_picture(outputs, "--output", reports + ".learning");
         check_regular(outputs);
         check_outputs({{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, outputs,
                       o.data);
@@ -236,16 +234,6 @@ private:
         print(line + (in_bytes ? "\nin 8 bits " + in_bytes->calibration() : "") + '\n');
     }
 
-    /// Keeps a training whose results could not be written.
-    void keep_finished() const {
-        if (const std::string problem = keep(); !problem.empty())
-            tell("warning: no checkpoint of the finished training either ({})\n", printable(problem));
-        else
-            tell("the finished training is kept: the same command with --resume writes what comes of it, "
-                 "from {}\n",
-                 printable(checkpoint.string()));
-    }
-
     void write(const trained_method& best, const tactnet::file_metadata& metadata,
                const tactnet::confusion_matrix& test) const {
         bool written = false;
@@ -253,7 +241,7 @@ private:
             make_folder_of(weights);
             best.save(weights, metadata, made_up_touches(o.selftest, {what.rows, what.columns}));
             written = true;
-            const std::string title = fmt::format("{} {}x{}", o.method, what.rows, what.columns);
+            const std::string title = o.method + " " + what.size();
             if (epochs != nullptr) // a support vector machine has no learning curve
                 plot_learning_curves(reports + ".learning", fmt::format("{}, {} recipe", title, recipe.name),
                                      epochs->history());
@@ -263,8 +251,12 @@ private:
         } catch (const tactnet::file_error&) { // a full disk, which may have room for it elsewhere
             if (written)
                 tell("the weights are whole in {}; what failed is about them\n", printable(weights.string()));
+            else if (const std::string problem = epochs != nullptr ? keep() : ""; !problem.empty())
+                tell("warning: no checkpoint of the finished training either ({})\n", printable(problem));
             else if (epochs != nullptr)
-                keep_finished();
+                tell("the finished training is kept: the same command with --resume writes what comes of it, "
+                     "from {}\n",
+                     printable(checkpoint.string()));
             throw;
         }
         std::error_code ignored; // a finished training has nothing to go on with
@@ -282,7 +274,7 @@ private:
     image_data data;
     tactnet::file_metadata settings{};
     std::unique_ptr<training_run> training;
-    network_training* epochs = nullptr; ///< the same, of a network
+    epoch_training* epochs = nullptr; ///< the same, of a network
 };
 
 } // namespace
@@ -301,24 +293,22 @@ command add_train(CLI::App& program) {
     add_bits_option(*app, o->training.bits,
                     "Of a weight in the file: 32, single precision, or 8, with the ranges of maps from the "
                     "training images");
-    app->add_option("--split", o->split,
-                    "'random', or 'blocked': neighbours in the order of recording stay together")
-        ->check(CLI::IsMember({"random", "blocked"}));
-    app->add_option("--seed", o->seed, "Seed of the split, the initial weights and the order of images")
-        ->check(seed());
-    app->add_option("--threads", o->threads, "Number of threads; the result does not depend on it")
-        ->check(whole_number(1, 1024));
+    add_option(*app, "--split", o->split, CLI::IsMember({"random", "blocked"}),
+               "'random', or 'blocked': neighbours in the order of recording stay together");
+    add_option(*app, "--seed", o->seed, whole_number(0),
+               "Seed of the split, the initial weights and the order of images");
+    add_option(*app, "--threads", o->threads, whole_number(1, 1024),
+               "Number of threads; the result does not depend on it");
     app->add_option("--checkpoint", o->checkpoint,
                     "File of the checkpoint of a stopped training (default: OUTPUT.checkpoint)");
-    app->add_option("--checkpoint-every", o->checkpoint_minutes, "Minutes between checkpoints")
-        ->check(positive_number());
+    add_option(*app, "--checkpoint-every", o->checkpoint_minutes, positive_number(),
+               "Minutes between checkpoints");
     auto* resume =
         app->add_flag("--resume", o->resume,
                       "Continue from the checkpoint; the result is bit-identical to an uninterrupted run");
     app->add_flag("--afresh", o->afresh, "Start from the beginning and discard the checkpoint")
         ->excludes(resume);
-    app->add_option("--self-test", o->selftest,
-                    "Synthetic images stored in the weight file with their outputs; loading checks them")
-        ->check(whole_number(0, 100));
+    add_option(*app, "--self-test", o->selftest, whole_number(0, 100),
+               "Synthetic images stored in the weight file with their outputs; loading checks them");
     return [o] { return train_command(*o).run(); };
 }

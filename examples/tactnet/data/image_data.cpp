@@ -1,5 +1,6 @@
 #include "data/image_data.hpp"
 
+#include "console.hpp"
 #include "data/input_file.hpp"
 
 #include <tactnet/image/dynamic_resize.hpp>
@@ -64,9 +65,8 @@ tactnet::grey_image load_image(const std::filesystem::path& path, std::size_t ro
     if (image.rows == rows && image.columns == columns)
         return image;
     if (!resize)
-        throw tactnet::file_error(path.string(), "",
-                                  fmt::format("{} x {} pixels (rows x columns), or --resize", rows, columns),
-                                  fmt::format("{} x {}", image.rows, image.columns));
+        refuse("{}: expected {} x {} pixels (rows x columns), or --resize, found {} x {}", path.string(),
+               rows, columns, image.rows, image.columns);
     return resized(image, rows, columns);
 }
 
@@ -78,7 +78,7 @@ std::vector<std::string> load_class_names(const std::filesystem::path& path) {
     const auto bytes = tactnet::read_file(path, std::size_t{1} << 20);
     const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     if (!tactnet::is_utf8(text))
-        throw tactnet::file_error(path.string(), "", "class names in UTF-8, a line each", "other bytes");
+        refuse("{}: expected class names in UTF-8, a line each, found other bytes", path.string());
     std::vector<std::string> names;
     std::istringstream lines(text);
     for (std::string line; std::getline(lines, line);) {
@@ -87,11 +87,11 @@ std::vector<std::string> load_class_names(const std::filesystem::path& path) {
         if (line.empty())
             continue;
         if (!tactnet::is_printable(line))
-            throw tactnet::file_error(path.string(), fmt::format("name {}", names.size() + 1),
-                                      "a name without control characters", tactnet::in_quotes(line));
+            refuse("{}: name {}: expected a name without control characters, found {}", path.string(),
+                   names.size() + 1, tactnet::in_quotes(line));
         names.push_back(line);
     }
     if (names.empty())
-        throw tactnet::file_error(path.string(), "", "class names, a line each", "none");
+        refuse("{}: expected class names, a line each, found none", path.string());
     return names;
 }

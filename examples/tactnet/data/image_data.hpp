@@ -41,6 +41,5 @@ image_data load_data(const std::filesystem::path& folder, std::size_t rows, std:
 tactnet::grey_image load_image(const std::filesystem::path& path, std::size_t rows, std::size_t columns,
                                bool resize);
 
-/// The names of the classes: the subfolders of a folder, or the lines of a text file. Throws
-/// tactnet::file_error.
+/// Names of classes: subfolders of a folder, or lines of a text file. Throws tactnet::file_error.
 std::vector<std::string> load_class_names(const std::filesystem::path& path);

@@ -5,9 +5,8 @@
 #include <string>
 #include <string_view>
 
-/// Throws tactnet::file_error for a named pipe, a socket or a device: opening it may wait for ever. What a
-/// shell passes as /dev/stdin or /dev/fd/63 is taken, unless that is a terminal; so is a name of nothing,
-/// which opening it will report.
+/// Throws tactnet::file_error for a named pipe, a socket or a device: opening it may wait for ever. Takes
+/// what a shell passes as /dev/stdin or /dev/fd/63, unless that is a terminal, and a name of nothing.
 void check_no_device(const std::filesystem::path& path);
 
 /// FNV-1a over bytes, 64 bits: enough to notice that data changed, not meant against forgery.

@@ -42,8 +42,7 @@ corrector corrector_of(std::size_t rows, std::size_t columns) {
     return found;
 }
 
-/// The area under the receiver operating characteristic, and the share of unknown ones accepted where 95 %
-/// of known ones are.
+/// The area under the ROC curve, and the share of unknown ones accepted where 95 % of known ones are.
 std::pair<double, double> curve_of(std::vector<double> known, std::vector<double> unknown) {
     std::ranges::sort(known);
     std::ranges::sort(unknown);

@@ -6,12 +6,7 @@
 #include "data/image_data.hpp"
 #include "methods/method.hpp"
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
 #include <map>
-#include <string>
-#include <string_view>
 
 /// Sums and counts by the names of decision_columns, so that the images of several splits count together;
 /// without those that were not measured.
@@ -45,15 +40,14 @@ decision_means faults_of_sensor(const trained_method& trained, const image_data&
                                 std::span<const std::size_t> images, std::uint64_t seed,
                                 tactnet::thread_pool& threads);
 
-/// Images of `unknown` classes get the label no_class, the others labels from 0. Over the seeds, each class
-/// is left out equally often.
+/// Labels images of `unknown` classes no_class, others from 0. Over seeds, each class is left out equally
+/// often.
 image_data without_classes(image_data data, std::size_t unknown, std::uint64_t seed);
 
 /// The split of split_data without the images of no class, which would be outliers for a training.
 tactnet::data_split split_of_classes(const image_data& data, tactnet::split_rule rule, std::uint64_t seed,
                                      tactnet::split_shares shares);
 
-/// How well scores of a network that was trained on the known classes separate the images of others. Nothing
-/// without images.
+/// How well scores of a network trained on known classes tell images of others; nothing without images.
 decision_means separation(const tactnet::evaluation& of_known, const tactnet::evaluation& of_unknown,
                           std::size_t classes);

@@ -11,10 +11,6 @@ namespace {
 
 using nlohmann::json;
 
-json number_or_null(double value) {
-    return std::isfinite(value) ? json(value) : json(nullptr);
-}
-
 json bins_of(const tactnet::reliability_diagram& diagram) {
     json bins = json::array();
     for (const auto& [count, right, probability, squares] : diagram.bins())
@@ -30,9 +26,9 @@ std::string line_of(const training_result& r) {
     nlohmann::ordered_json line;
     line["settings"] = r.settings;
     line["accuracy"] = r.confusion.accuracy();
-    line["validation_accuracy"] = number_or_null(r.validation_accuracy);
-    line["training_accuracy"] = number_or_null(r.training_accuracy);
-    line["reflected_accuracy"] = number_or_null(r.reflected_accuracy);
+    line["validation_accuracy"] = r.validation_accuracy; // null for NaN
+    line["training_accuracy"] = r.training_accuracy;
+    line["reflected_accuracy"] = r.reflected_accuracy;
     line["epochs"] = r.epochs;
     line["seconds"] = r.seconds;
     line["classes"] = r.confusion.classes();

@@ -9,20 +9,12 @@
 #include "methods/method.hpp"
 
 #include <tactnet/decision/reliability_diagram.hpp>
-#include <tactnet/decision/temperature_scaling.hpp>
-#include <tactnet/io/model_file.hpp>
 #include <tactnet/training/metrics.hpp>
 
-#include <cstddef>
-#include <filesystem>
 #include <limits>
 #include <map>
-#include <optional>
-#include <span>
-#include <vector>
 
-/// Fits a temperature to the results on images that a network was not trained on. Nothing without such
-/// images, and for methods without probabilities.
+/// Fitted to results on images of no training. Nothing without such, and for methods without probabilities.
 std::optional<tactnet::temperature_scaling> fit_temperature(const tactnet::evaluation& held_out,
                                                             std::span<const std::size_t> images,
                                                             const image_data& data);
@@ -30,8 +22,7 @@ std::optional<tactnet::temperature_scaling> fit_temperature(const tactnet::evalu
 /// How well the probabilities of a network agree with how often it is right.
 struct calibration {
     tactnet::temperature_scaling scaling{};
-    /// Calibration on the test images, by the softmax and by the scaled one; empty for methods without
-    /// probabilities.
+    /// On the test images, by the softmax and by the scaled one; empty for methods without probabilities.
     tactnet::reliability_diagram before{}, after{};
 };
 
@@ -45,8 +36,7 @@ struct training_result {
     double training_accuracy = 0;   ///< on images as they are
     /// On test images, averaged over their reflections; NaN for methods that do not do that.
     double reflected_accuracy = std::numeric_limits<double>::quiet_NaN();
-    /// Of test images, at a temperature fitted on the validation images; nothing for methods without
-    /// probabilities, and in lists of before version 0.3.
+    /// At a temperature fitted on the validation images; nothing for methods without probabilities.
     std::optional<::calibration> calibration{};
     decision_means decisions{}; ///< on test images; nothing in lists of before version 0.3
     double seconds = 0;
@@ -69,7 +59,6 @@ public:
     }
     /// The result of the same training by another version or for another instruction set, or nothing.
     const training_result* find_elsewhere(const tactnet::file_metadata& settings) const;
-    const std::map<tactnet::file_metadata, training_result>& all() const { return results_; }
     /// Reads what other programs have added since. Throws tactnet::file_error.
     void read_on();
     /// Keeps a result, on the disk before anything else. Other programs may add to the same file.

@@ -4,6 +4,7 @@
 #include "data/input_file.hpp"
 #include "files/claims.hpp"
 #include "methods/description.hpp"
+#include "methods/networks/compiled.hpp"
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
 #include "number_options.hpp"
@@ -28,19 +29,6 @@
 
 namespace {
 
-/// How many there are does not depend on the rule or the seed.
-void check_test_images(const std::filesystem::path& folder, const training_settings& training,
-                       const image_data& data) {
-    const auto split = tactnet::split_data(data.images.labels, data.images.classes.size(),
-                                           tactnet::split_rule::random, 0, training.shares);
-    if (split.test.empty())
-        throw tactnet::file_error(
-            folder.string(), "",
-            fmt::format("enough images for a test, of which --test takes a share of {}",
-                        training.shares.test),
-            fmt::format("{} of {} classes", data.images.size(), data.images.classes.size()));
-}
-
 /// Tests a trained method on the images of its split.
 training_result result_of(const trained_method& trained, const task& t, const training_run& training,
                           tactnet::file_metadata settings) {
@@ -54,7 +42,7 @@ training_result result_of(const trained_method& trained, const task& t, const tr
     training_result result;
     result.settings = std::move(settings);
     result.confusion = test.confusion;
-    const bool with_decisions = may_be_thorough(*t.of->what);
+    const bool with_decisions = t.of->what->begins_at_random();
     if (const auto scaling = fit_temperature(validation, validation_images, data)) {
         result.calibration = calibration_of(test, test_images, data, *scaling);
         if (with_decisions)
@@ -100,8 +88,7 @@ decision_means unknown_objects(const task& t) {
                       best->evaluate(data.view(), unknown, alone), data.images.classes.size());
 }
 
-/// Trains on one thread. Returns results in single precision, and in 8 bits if the task says so; nothing if
-/// it was interrupted.
+/// Returns results in single precision, and in 8 bits if the task says so; nothing if it was interrupted.
 std::vector<training_result> run(const task& t) {
     const image_data& data = *t.of->data;
     tactnet::thread_pool alone;
@@ -120,7 +107,7 @@ std::vector<training_result> run(const task& t) {
     if (t.of->training.bits == 8)
         results.push_back(result_of(*in_eight_bits(*best, data.view(), training->split().training), t,
                                     *training, t.settings));
-    const auto* by_epochs = dynamic_cast<const network_training*>(training.get());
+    const auto* by_epochs = dynamic_cast<const epoch_training*>(training.get());
     for (training_result& result : results) {
         result.seconds = seconds;
         result.epochs = by_epochs != nullptr ? by_epochs->history().size() : 1;
@@ -129,12 +116,10 @@ std::vector<training_result> run(const task& t) {
 }
 
 std::string title_of(const task& t) {
-    return fmt::format("{} {}x{}, {} split {}", t.of->what->name, t.of->what->rows, t.of->what->columns,
-                       name_of(t.rule), t.seed);
+    return fmt::format("{} {}, {} split {}", t.of->what->name, t.of->what->size(), name_of(t.rule), t.seed);
 }
 
-/// Side by side, each on one thread, and so that no two programs on one folder of results do the same. False
-/// if interrupted.
+/// Side by side, each on one thread, shared with other programs on the folder. False if interrupted.
 bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& results,
              std::vector<std::string>* diverged) {
     std::atomic<bool> failed{false};
@@ -151,9 +136,8 @@ bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& resu
     const auto name_for = [&](const task& t) {
         return results.path().parent_path() / fingerprint_of(t.settings);
     };
-    // A training that is this program's until it is released. Nothing while other programs do all that is
-    // left: their results are read when they are there, and what a program that ended has left undone is done
-    // here.
+    // A training that is this program's until released. Nothing while other programs do all that is left:
+    // their results are read once there, and what a program that ended has left undone is done here.
     const auto claim_one = [&]() -> const task* {
         for (auto t = left.begin(); t != left.end();) {
             const task* const found = *t;
@@ -240,7 +224,6 @@ bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& resu
         }
         work();
     }
-    line.end_line();
     if (failure)
         std::rethrow_exception(failure);
     return !interrupted();
@@ -248,14 +231,16 @@ bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& resu
 
 } // namespace
 
-void add_split_options(CLI::App& app, std::string& split, std::size_t& splits, std::size_t& jobs) {
-    app.add_option("--split", split,
-                   "'random', 'blocked' (neighbours in the order of recording stay together) or 'both'")
-        ->check(CLI::IsMember({"both", "random", "blocked"}));
-    app.add_option("--splits", splits, "Splits of each kind")->check(whole_number(1, 10'000));
-    app.add_option("--jobs,--threads", jobs,
-                   "Trainings at the same time; the results do not depend on it (default: one per core)")
-        ->check(whole_number(1, 1024));
+void add_split_options(CLI::App& app, std::string& split, std::size_t& splits, std::size_t& jobs,
+                       std::size_t& unknown) {
+    add_option(app, "--split", split, CLI::IsMember({"both", "random", "blocked"}),
+               "'random', 'blocked' (neighbours in the order of recording stay together) or 'both'");
+    add_option(app, "--splits", splits, whole_number(1, 10'000), "Splits of each kind");
+    add_option(app, "--jobs,--threads", jobs, whole_number(1, 1024),
+               "Trainings at the same time; the results do not depend on it (default: one per core)");
+    add_option(app, "--unknown", unknown, whole_number(0, 10'000),
+               "Train each network once more per split without this number of classes, and measure how "
+               "well it recognises their images as unknown (0: do not)");
 }
 
 std::vector<tactnet::split_rule> rules_of(const std::string& names) {
@@ -279,10 +264,18 @@ void load_candidates(candidate_list& list, const std::filesystem::path& data) {
             images = std::make_shared<const image_data>(
                 load_data(data, c.what->rows, c.what->columns, c.training.resize));
         c.data = images;
-        check_capacity(*c.what, data.string(), images->images.classes.size());
-        check_test_images(data, c.training, *images);
-        if (const std::size_t classes = images->images.classes.size();
-            c.training.unknown > 0 && c.training.unknown + 2 > classes)
+        const std::size_t classes = images->images.classes.size();
+        check_capacity(*c.what, data.string(), classes);
+        const auto split = tactnet::split_data(images->images.labels, classes, tactnet::split_rule::random, 0,
+                                               c.training.shares);
+        if (split.test.empty()) // nor would there be any by another rule or seed
+            refuse(
+                "{}: expected enough images for a test, of which --test takes a share of {}, found {} of {} "
+                "classes",
+                data.string(), c.training.shares.test, images->images.size(), classes);
+        if (!c.what->begins_at_random())
+            c.training.unknown = 0;
+        if (c.training.unknown > 0 && c.training.unknown + 2 > classes)
             refuse("--unknown: expected to leave two of {} classes or more, found {}", classes,
                    c.training.unknown);
         c.start = load_start(*c.what, c.training, images->images.classes);

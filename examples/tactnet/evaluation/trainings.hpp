@@ -7,13 +7,6 @@
 #include "methods/method.hpp"
 #include "methods/training_settings.hpp"
 
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
-#include <memory>
-#include <string>
-#include <vector>
-
 /// A method with the images of its size.
 struct candidate {
     const method* what;
@@ -42,8 +35,9 @@ struct split_plan {
     std::size_t splits = 10; ///< by each rule; their seeds follow the first
 };
 
-/// --split, --splits and --jobs.
-void add_split_options(CLI::App& app, std::string& split, std::size_t& splits, std::size_t& jobs);
+/// --split, --splits, --jobs and --unknown.
+void add_split_options(CLI::App& app, std::string& split, std::size_t& splits, std::size_t& jobs,
+                       std::size_t& unknown);
 
 /// The rules of "random", "blocked" or "both".
 std::vector<tactnet::split_rule> rules_of(const std::string& names);
@@ -52,16 +46,15 @@ std::vector<tactnet::split_rule> rules_of(const std::string& names);
 void check_seeds(const split_plan& plan);
 
 using candidate_list = std::vector<candidate>;
-/// Loads images, the network to start from and pretrained weights. Throws usage_error and
-/// tactnet::file_error for all that can be wrong.
+/// Loads images and weights to begin with. Throws usage_error and tactnet::file_error for all that can be
+/// wrong.
 void load_candidates(candidate_list& list, const std::filesystem::path& data);
 
 /// All trainings of the plan, split by split, so that early results say something of every candidate.
 std::vector<task> tasks_of(const candidate_list& candidates, const split_plan& plan);
 
-/// Does the trainings that have no results yet, `jobs` at a time, each on one thread. First computes the
-/// features of frozen networks that they need, and keeps them in the folder of results. Several
-/// programs on one file of results share the tasks. False if interrupted. Trainings that diverge are added to
-/// `diverged` and left out; without such a list the first one ends all.
+/// Does the trainings that have no results yet, `jobs` at a time, shared with other programs on that file.
+/// First keeps features of frozen networks in its folder. False if interrupted. Trainings that diverge are
+/// left out and added to `diverged`; without such a list the first one ends all.
 bool train_all(const std::vector<task>& all, std::size_t jobs, result_list& results,
                std::vector<std::string>* diverged = nullptr);

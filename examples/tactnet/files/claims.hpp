@@ -6,10 +6,9 @@
 #include <string>
 #include <vector>
 
-/// Holds names that no other program may hold: files that it will write, or work that it does. The lock of a
-/// name is a hidden empty file in the same folder. Claims end with the program, however that ends; the file
-/// that a killed one leaves is taken over by the next claim. Where the file system knows no locks, or the
-/// folder takes no file, every claim is granted.
+/// Holds names that no other program may hold: files to write, or work to do. The lock of a name is a hidden
+/// empty file in the same folder. Claims end with the program, however that ends; the next claim takes over
+/// the file of a killed one. Where there are no locks, or the folder takes no file, every claim is granted.
 class claims {
 public:
     claims() = default;
@@ -20,8 +19,8 @@ public:
 
     /// Returns false if another holds the name. Makes its folder, if there is none.
     bool take(const std::filesystem::path& name);
-    /// Waits up to half a second for the name: what a program that was killed has just started, such as a
-    /// plot, holds its locks a moment longer.
+    /// Waits up to half a second: what a killed program has started, such as a plot, holds its locks a moment
+    /// longer.
     bool take_soon(const std::filesystem::path& name);
     void release(const std::filesystem::path& name);
 

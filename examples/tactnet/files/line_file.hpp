@@ -14,11 +14,11 @@ public:
     explicit line_file(std::filesystem::path path) : path_(std::move(path)) {}
 
     const std::filesystem::path& path() const { return path_; }
-    /// Calls take(text) for each line that came since the last call, without its checksum; the beginning of a
-    /// line that was never finished is skipped. Errors name the line, and that it should be `expected`.
-    /// Throws tactnet::file_error, also for what `take` throws and for a line without a checksum.
+    /// Calls take(text) for each new whole line, without its checksum. Errors name the line, and that it
+    /// should be `expected`. Throws tactnet::file_error, also for what `take` throws and for a line without a
+    /// checksum.
     void read_on(const std::string& expected, const std::function<void(const std::string&)>& take);
-    /// Adds a line, on the disk when this returns. It is then read like the lines of others. Throws
+    /// Adds a line, on the disk when this returns, to be read like those of others. Throws
     /// tactnet::file_error.
     void add(const std::string& text) const;
 

@@ -116,11 +116,9 @@ void check_regular(const std::vector<named_file>& outputs) {
     }
 }
 
-std::vector<named_file> picture_files(const std::string& option, const fs::path& stem) {
-    std::vector<named_file> files;
+void add_picture(std::vector<named_file>& outputs, const std::string& option, const fs::path& stem) {
     for (const char* ending : {".csv", ".png"})
-        files.push_back({option, stem.string() + ending});
-    return files;
+        outputs.push_back({option, stem.string() + ending});
 }
 
 void make_folder_of(const fs::path& path) {

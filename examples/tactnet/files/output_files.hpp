@@ -13,17 +13,17 @@ struct named_file {
 };
 
 /// Throws usage_error unless all outputs can be written, are neither inputs nor each other, also by links,
-/// and lie outside the classes of the images in `data`, if that is a name. Then removes what killed programs
-/// have left in their folders: half-written files, claims.
+/// and lie outside the classes of images in `data`. Then removes what killed programs have left in their
+/// folders.
 void check_outputs(const std::vector<named_file>& inputs, const std::vector<named_file>& outputs,
                    const std::filesystem::path& data = {});
 
-/// Throws usage_error where one is a device or a pipe: other files are written next to it, and some are
-/// removed.
+/// Throws usage_error for devices and pipes: other files are written next to them, and some are removed.
 void check_regular(const std::vector<named_file>& outputs);
 
-/// What drawing a picture leaves: STEM.csv and STEM.png.
-std::vector<named_file> picture_files(const std::string& option, const std::filesystem::path& stem);
+/// Adds what drawing a picture leaves: STEM.csv and STEM.png.
+void add_picture(std::vector<named_file>& outputs, const std::string& option,
+                 const std::filesystem::path& stem);
 
 /// Makes the folder of a file, if there is none. Throws usage_error.
 void make_folder_of(const std::filesystem::path& path);

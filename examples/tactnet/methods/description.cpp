@@ -18,13 +18,12 @@
 
 namespace {
 
-std::string text(std::string_view value) {
-    return std::string(value);
+template <class Plain>
+concept plain = std::is_arithmetic_v<Plain> || std::is_convertible_v<Plain, std::string_view>;
+
+std::string text(const plain auto& value) {
+    return fmt::format("{}", value);
 }
-template <class Number>
-    requires std::is_arithmetic_v<Number> std::string text(Number value) {
-        return fmt::to_string(value);
-    }
 
 std::string text(const tactnet::sgd& rule) {
     const auto& [momentum, l2, l2_of_norms] = rule;
@@ -87,10 +86,6 @@ std::string text(const tactnet::augmentation_ranges& ranges) {
 }
 
 } // namespace
-
-std::string_view program_instruction_set() {
-    return tactnet::instruction_set; // on another one the same training rounds differently
-}
 
 std::string fingerprint_of(const tactnet::file_metadata& settings) {
     fingerprint print;

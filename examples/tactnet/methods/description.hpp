@@ -6,12 +6,6 @@
 #include "data/image_data.hpp"
 #include "methods/training_settings.hpp"
 
-#include <tactnet/io/model_file.hpp>
-
-#include <cstdint>
-#include <string>
-#include <string_view>
-
 /// All of a recipe. A field that a recipe gets anew does not compile until it is here.
 tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe);
 
@@ -24,10 +18,8 @@ std::string fingerprint_of(const tactnet::file_metadata& settings);
 /// Differs when any byte of the file differs. Computed once for each name while the program runs.
 std::string pretrained_fingerprint(const std::string& path);
 
-/// As the library names it, for example simd_avx2_fma; sse2 or scalar in it shows a forgotten -march.
-std::string_view program_instruction_set();
-
-/// What decides how this program rounds: its version, and the instruction set that it was compiled for.
+/// What decides how this program rounds: its version, and the instruction set that it was compiled for, as
+/// the library names it: simd_avx2_fma. There sse2 or scalar shows a forgotten -march.
 tactnet::file_metadata describe_program();
 
 /// All that decides what comes of a training, apart from images, split and seed.

@@ -1,7 +1,8 @@
 #pragma once
 
 // A method is what --method names: a network or a support vector machine, at one size. The program knows it
-// by names and virtual functions; what only networks can do is in interfaces of their own.
+// by names and virtual functions; what only networks can do is in interfaces of their own. Headers that
+// include this one do not repeat its includes.
 
 #include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/deployment/export/header_description.hpp>
@@ -37,18 +38,12 @@ struct photograph_network {
     std::string_view torchvision; ///< what makes it there: "squeezenet1_1"
     tactnet::shape photograph;    ///< what it was trained on
 };
-
-namespace photograph_networks {
-
-inline constexpr photograph_network squeezenet{
-    "squeezenet", "SqueezeNet 1.1", "squeezenet1_1", {227, 227, 3}},
-    alexnet{"alexnet", "AlexNet", "alexnet", {224, 224, 3}},
-    resnet50{"resnet50", "ResNet-50", "resnet50", {224, 224, 3}},
-    vgg16{"vgg16", "VGG16", "vgg16", {224, 224, 3}};
-
-inline constexpr std::array all{squeezenet, alexnet, resnet50, vgg16};
-
-} // namespace photograph_networks
+inline constexpr std::array photograph_networks{
+    photograph_network{"squeezenet", "SqueezeNet 1.1", "squeezenet1_1", {227, 227, 3}},
+    photograph_network{"alexnet", "AlexNet", "alexnet", {224, 224, 3}},
+    photograph_network{"resnet50", "ResNet-50", "resnet50", {224, 224, 3}},
+    photograph_network{"vgg16", "VGG16", "vgg16", {224, 224, 3}},
+};
 
 /// The file that a method needs, for sentences.
 struct pretrained_file {
@@ -61,8 +56,8 @@ struct pretrained_file {
 class pretrained_weights {
 public:
     virtual ~pretrained_weights() = default;
-    /// Computes what all trainings on these images have in common. Keeps it in a folder for later programs,
-    /// unless that is no name. Returns false if it was interrupted. The images must outlive this.
+    /// Computes what all trainings on these images have in common, and keeps it in a folder unless that is no
+    /// name. Returns false if it was interrupted. The images must outlive this.
     virtual bool prepare(const image_data&, const std::filesystem::path&, tactnet::thread_pool&) {
         return true;
     }
@@ -84,15 +79,14 @@ constexpr method_costs costs_of() {
             Network::parameter_bytes, Network::activation_bytes};
 }
 
-/// Recognises that many frames together, on one thread: what is timed. The first call with a
-/// number makes room for as many.
+/// Recognises that many frames together on one thread, to be timed; the first call makes room for them.
 using frame_work = std::function<void(std::size_t frames)>;
 
 /// What an image was taken for. Not tactnet::recognition, whose probability not every method has.
 struct scored_class {
     std::size_t label = 0;
-    /// The probability of a network, or a support vector machine's smallest decision value in favour of
-    /// the class, which has no upper bound and is above 0 where no decision went against it.
+    /// The probability of a network, or a machine's smallest decision value in favour of the class, which has
+    /// no upper bound and is above 0 where no decision went against it.
     double score = 0;
 };
 
@@ -103,8 +97,8 @@ struct weight_file {
     std::shared_ptr<tactnet::safetensors_source> trunk{};
 };
 
-/// Touches of 22 sizes in turn, for timing and for self-tests, which then hold nobody's recordings: the same
-/// bits each time.
+/// Touches of 22 sizes in turn, for timing and self-tests, which hold nobody's recordings: always the same
+/// bits.
 std::vector<std::uint8_t> made_up_touches(std::size_t count, tactnet::extent2d image);
 
 struct any_model;
@@ -136,14 +130,14 @@ public:
 /// One that becomes a C++ header.
 class trained_network : public trained_method {
 public:
-    /// The text of a C++ header that holds the deployed network, with a frame to test it. Throws
+    /// The text of a C++ header with the deployed network and a frame to test it. Throws
     /// std::invalid_argument for weights that cannot be deployed.
     virtual std::string header(const tactnet::header_description& says,
                                std::span<const std::uint8_t> frame) const = 0;
-    /// For a network that was just converted to 8 bits, what that did to its outputs, as a sentence.
+    /// What a conversion to 8 bits has just done to its outputs, as a sentence.
     virtual std::string calibration() const { return {}; }
-    /// Converts the network to 8 bits, if the method has has_eight_bit_form; the chosen images set the ranges
-    /// of its maps. Throws std::invalid_argument for weights that cannot be converted.
+    /// For methods with has_eight_bit_form; the chosen images set the ranges of its maps. Throws
+    /// std::invalid_argument for weights that cannot be converted.
     virtual std::unique_ptr<trained_network> in_eight_bits(const tactnet::labelled_images&,
                                                            std::span<const std::size_t>) const {
         throw std::logic_error("a network without a form in 8 bits was asked for it");
@@ -162,21 +156,6 @@ public:
     virtual std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const = 0;
 };
 
-/// One by epochs, which can be stopped and resumed.
-class network_training : public training_run {
-public:
-    virtual const std::vector<tactnet::epoch_report>& history() const = 0;
-    virtual std::size_t images_per_epoch() const = 0;
-    /// Before the first epoch: begins with a network that the same method has loaded, in place of random
-    /// weights.
-    virtual void start_from(const trained_method& other) = 0;
-    virtual void save_checkpoint(const std::filesystem::path& path,
-                                 const tactnet::file_metadata& settings) = 0;
-    /// Returns what is known of the file's checksum.
-    virtual tactnet::checksum_state load_checkpoint(const std::filesystem::path& path,
-                                                    const tactnet::file_metadata& settings) = 0;
-};
-
 /// A method at one size.
 class method {
 public:
@@ -190,14 +169,18 @@ public:
     const std::size_t capacity; ///< the largest number of classes
     const std::optional<tactnet::published_training> published;
 
+    /// "28x50".
+    std::string size() const { return std::to_string(rows) + "x" + std::to_string(columns); }
     /// Not a support vector machine.
     virtual bool is_network() const = 0;
+    /// Such a network can be trained by the thorough recipe, be converted to 8 bits and meet unknown objects.
+    bool begins_at_random() const { return is_network() && !pretrained(); }
 
     /// Its type in C++, of a network that is one type: "tactnet::tactnet6<tactnet::shape{28, 50}, 22>".
     virtual std::string declaration() const { return {}; }
     /// What it is, for sentences.
     virtual std::string_view kind() const { return is_network() ? "network" : "support vector machine"; }
-    /// For a network, the recipe that did best, or the authors' if none was looked for.
+    /// Of a network, the recipe that did best, or the authors' if none was looked for.
     virtual tactnet::recipe default_recipe() const { return tactnet::recipe::default_for(rows, columns); }
     /// What it is made of, where its name does not say it: features, settings of a machine, a user's layers.
     virtual tactnet::file_metadata parts() const { return {}; }
@@ -206,9 +189,8 @@ public:
     virtual std::size_t learnable(std::size_t classes) const { return costs(classes).parameters; }
     /// Whether its training varies images of that size as they were taken.
     virtual bool augment_full_resolution(const tactnet::shape&) const { return false; }
-    /// Whether its form in 8 bits was compiled in, or can be.
+    /// Whether its form in 8 bits was compiled in.
     virtual bool has_eight_bit_form() const { return false; }
-    virtual bool may_have_eight_bit_form() const { return false; }
     /// Bytes of weights of 8 bits with all that belongs to them.
     virtual std::size_t eight_bit_bytes(std::size_t) const { return 0; }
     /// With random weights, since there may be no others; in 8 bits only with has_eight_bit_form.
@@ -217,14 +199,12 @@ public:
     std::size_t frames_together() const { return pretrained() ? 16 : 64; }
     /// The network that others have trained on photographs and that it begins with, if it does.
     virtual std::optional<pretrained_file> pretrained() const { return std::nullopt; }
-    /// Whether features of images are computed once for all trainings, by a network that is not trained.
+    /// Whether a network that is not trained computes features of images, once for all trainings.
     virtual bool keeps_features() const { return false; }
     /// Opens the file of it. Throws tactnet::file_error; for methods that need one alone.
-    virtual std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path&) const {
-        throw std::logic_error(name + " begins with no pretrained network");
-    }
-    /// The images must outlive the training. Support vector machines have settings of
-    /// their own, and no use for the recipe. `from`: what open_pretrained gave, if the method needs it.
+    virtual std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path&) const = 0;
+    /// The images must outlive the training. Support vector machines have settings of their own in place of
+    /// the recipe. `from`: what open_pretrained gave, if the method needs it.
     virtual std::unique_ptr<training_run> train(const tactnet::recipe& recipe,
                                                 const tactnet::labelled_images& images,
                                                 tactnet::data_split split, std::uint64_t seed,

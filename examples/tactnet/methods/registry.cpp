@@ -12,20 +12,20 @@ const std::vector<std::unique_ptr<method>>& all_methods() {
     return list;
 }
 
-const method& find_method(std::string_view name, std::size_t rows, std::size_t columns) {
+const method& find_method(std::string_view name, std::string_view size) {
     std::string sizes;
     for (const auto& m : all_methods()) {
         if (m->name != name)
             continue;
-        if (m->rows == rows && m->columns == columns)
+        if (m->size() == size)
             return *m;
-        sizes += fmt::format("{}{}x{}", sizes.empty() ? "" : ", ", m->rows, m->columns);
+        sizes += (sizes.empty() ? "" : ", ") + m->size();
     }
     if (sizes.empty())
         refuse("--method: expected one of {}, found '{}'", method_names(), name);
-    refuse("--rows, --columns: expected a size that {} was compiled for ({}), found {}x{}; sizes are chosen "
-           "when building, by TACTNET_PROGRAM_SIZES",
-           name, sizes, rows, columns);
+    refuse("--rows, --columns, --sizes: expected a size that {} was compiled for ({}), found '{}'; sizes are "
+           "chosen when building, by TACTNET_PROGRAM_SIZES",
+           name, sizes, size);
 }
 
 std::string default_method() {
@@ -45,9 +45,6 @@ std::string method_names() {
 
 void check_capacity(const method& what, const std::string& data, std::size_t classes) {
     if (classes > what.capacity)
-        throw tactnet::file_error(
-            data, "",
-            fmt::format("at most {} classes (chosen when building, by TACTNET_PROGRAM_CLASSES)",
-                        what.capacity),
-            fmt::to_string(classes));
+        refuse("{}: expected at most {} classes (chosen when building, by TACTNET_PROGRAM_CLASSES), found {}",
+               data, what.capacity, classes);
 }

@@ -36,7 +36,7 @@ void check_settings(const method& what, const training_settings& s) {
                s.shares.validation, s.shares.test);
     check_pretrained(what, s);
     check_bits(what, s.bits);
-    if (!what.is_network() && is_for_networks(s))
+    if (!what.is_network() && static_cast<const epoch_settings&>(s) != epoch_settings{})
         refuse("--epochs, --batch, --rate, --input, --augmentation, --start: expected a network, found {}, "
                "which is not trained by epochs",
                what.name);
@@ -56,22 +56,13 @@ void check_settings(const method& what, const training_settings& s) {
                what.name, *s.input);
     if (s.recipe == "published" && !what.published)
         refuse("--recipe: expected default, since nothing was published for {}, found published", what.name);
-    if (s.recipe == "thorough" && !may_be_thorough(what))
+    if (s.recipe == "thorough" && !what.begins_at_random())
         refuse("--recipe: expected default or published, since a thorough training is one of a network that "
                "begins by chance, not of {}; found thorough",
                what.name);
 }
 
 } // namespace
-
-const std::vector<std::string>& recipe_names() {
-    static const std::vector<std::string> names{"default", "thorough", "published"};
-    return names;
-}
-
-bool may_be_thorough(const method& what) {
-    return what.is_network() && !what.pretrained();
-}
 
 void add_data_option(CLI::App& command, std::string& folder) {
     command
@@ -82,32 +73,23 @@ void add_data_option(CLI::App& command, std::string& folder) {
 }
 
 void add_training_options(CLI::App& command, training_settings& s, const std::string& pretrained) {
-    command.add_option("--rows", s.rows, "Rows of an image")->check(whole_number(1, 4096));
-    command.add_option("--columns", s.columns, "Columns of an image")->check(whole_number(1, 4096));
+    add_option(command, "--rows", s.rows, whole_number(1, 4096), "Rows of an image");
+    add_option(command, "--columns", s.columns, whole_number(1, 4096), "Columns of an image");
     command.add_flag("--resize", s.resize,
                      "Resize images of another size (bicubic); otherwise they are an error");
-    command
-        .add_option(
-            "--recipe", s.recipe,
-            "Training recipe: 'default', 'thorough' (the same for longer), or 'published' (the paper's)")
-        ->check(CLI::IsMember(recipe_names()));
-    command.add_option("--epochs", s.epochs, "Maximum number of epochs (default: the recipe's)")
-        ->check(whole_number(1, 1'000'000));
-    command.add_option("--batch", s.batch, "Images per step, 0 for all (default: the recipe's)")
-        ->check(whole_number(0, 1'000'000));
-    command.add_option("--rate", s.rate, "Highest learning rate (default: the recipe's)")
-        ->check(positive_number());
-    command
-        .add_option(
-            "--input", s.input,
-            "Subtract the 'mean' image, 'scale' counts by 1/255, or use 'counts' unchanged (default: the "
-            "recipe's)")
-        ->check(CLI::IsMember({"mean", "scale", "counts"}));
-    command
-        .add_option("--augmentation", s.augmentation,
-                    "Augmentation: 'none', new images in 'each-epoch', or five more per image, drawn once: "
-                    "'sixfold' (default: the recipe's)")
-        ->check(CLI::IsMember({"none", "each-epoch", "sixfold"}));
+    add_option(command, "--recipe", s.recipe, CLI::IsMember(recipe_names),
+               "Training recipe: 'default', 'thorough' (the same for longer), or 'published' (the paper's)");
+    add_option(command, "--epochs", s.epochs, whole_number(1, 1'000'000),
+               "Maximum number of epochs (default: the recipe's)");
+    add_option(command, "--batch", s.batch, whole_number(0, 1'000'000),
+               "Images per step, 0 for all (default: the recipe's)");
+    add_option(command, "--rate", s.rate, positive_number(), "Highest learning rate (default: the recipe's)");
+    add_option(command, "--input", s.input, CLI::IsMember({"mean", "scale", "counts"}),
+               "Subtract the 'mean' image, 'scale' counts by 1/255, or use 'counts' unchanged (default: the "
+               "recipe's)");
+    add_option(command, "--augmentation", s.augmentation, CLI::IsMember({"none", "each-epoch", "sixfold"}),
+               "Augmentation: 'none', new images in 'each-epoch', or five more per image, drawn once: "
+               "'sixfold' (default: the recipe's)");
     command.add_option(
         "--start", s.start,
         "Start from the network of this weight file, for example one trained on simulated "
@@ -115,37 +97,26 @@ void add_training_options(CLI::App& command, training_settings& s, const std::st
     command.add_option(pretrained, s.pretrained,
                        "Weights of an ImageNet-pretrained network, for methods such as squeezenet-svm: a "
                        "safetensors file with torchvision's names");
-    command
-        .add_option("--validation", s.shares.validation,
-                    "Share of each class for validation, which selects the best epoch")
-        ->check(share());
-    command.add_option("--test", s.shares.test, "Share of each class for the test")->check(share());
+    add_option(command, "--validation", s.shares.validation, share(),
+               "Share of each class for validation, which selects the best epoch");
+    add_option(command, "--test", s.shares.test, share(), "Share of each class for the test");
 }
 
 void add_bits_option(CLI::App& command, std::size_t& bits, const std::string& what_for) {
-    command.add_option("--bits", bits, what_for)->check(CLI::IsMember({8, 32}));
-}
-
-void add_unknown_option(CLI::App& command, std::size_t& unknown) {
-    command
-        .add_option("--unknown", unknown,
-                    "Train each network once more per split without this number of classes, and measure how "
-                    "well it recognises their images as unknown (0: do not)")
-        ->check(whole_number(0, 10'000));
+    add_option(command, "--bits", bits, CLI::IsMember({8, 32}), what_for);
 }
 
 void check_bits(const method& what, std::size_t bits) {
     if (bits != 8 || what.has_eight_bit_form())
         return;
-    if (!what.may_have_eight_bit_form())
+    if (!what.begins_at_random())
         refuse(
             "--bits: expected a network that is trained from random weights, found the {} {}, which has no "
             "form in 8 bits",
             what.kind(), what.name);
-    refuse(
-        "--bits: expected a network whose form in 8 bits was compiled in, found {} {}x{}; those are chosen "
-        "when building, by TACTNET_PROGRAM_EIGHT_BIT",
-        what.name, what.rows, what.columns);
+    refuse("--bits: expected a network whose form in 8 bits was compiled in, found {} {}; those are chosen "
+           "when building, by TACTNET_PROGRAM_EIGHT_BIT",
+           what.name, what.size());
 }
 
 tactnet::split_rule split_rule_of(std::string_view name) {
@@ -154,16 +125,6 @@ tactnet::split_rule split_rule_of(std::string_view name) {
 
 std::string_view name_of(tactnet::split_rule rule) {
     return rule == tactnet::split_rule::blocked ? "blocked" : "random";
-}
-
-bool is_for_networks(const training_settings& s) {
-    return s.epochs || s.batch || s.rate || s.input || s.augmentation || !s.start.empty();
-}
-
-training_settings without_epochs(training_settings s) {
-    s.epochs.reset(), s.batch.reset(), s.rate.reset(), s.input.reset(), s.augmentation.reset();
-    s.start.clear();
-    return s;
 }
 
 tactnet::recipe recipe_for(const method& what, const training_settings& s) {
@@ -179,8 +140,7 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
     if (s.rate)
         r.rate = *s.rate;
     else if (!s.start.empty() && s.recipe != "published")
-        r.rate *= 0.3; // of 0.3 and 1 what did best from simulated images, with 4 and with 32 real ones
-                       // a class
+        r.rate *= 0.3; // did better than 1 from simulated images, with 4 and with 32 real ones a class
     if (s.input)
         r.input = *s.input == "mean"    ? tactnet::input_rule::subtract_mean
                   : *s.input == "scale" ? tactnet::input_rule::scale

@@ -22,18 +22,15 @@ void add_weight_options(CLI::App& command, weight_options& o, bool required) {
     if (required) { // elsewhere these exist already, for other purposes too
         command.add_option("--method", o.method,
                            "The method, if the weight file does not state it: one of " + method_names());
-        command.add_option("--rows", o.rows, "Rows of an image, if the weight file does not state them")
-            ->check(whole_number(1, 4096));
-        command
-            .add_option("--columns", o.columns, "Columns of an image, if the weight file does not state them")
-            ->check(whole_number(1, 4096));
+        add_option(command, "--rows", o.rows, whole_number(1, 4096),
+                   "Rows of an image, if the weight file does not state them");
+        add_option(command, "--columns", o.columns, whole_number(1, 4096),
+                   "Columns of an image, if the weight file does not state them");
         command.add_flag("--resize", o.resize,
                          "Resize images of another size (bicubic); otherwise they are an error");
     }
-    command
-        .add_option("--epsilon", o.epsilon,
-                    "Epsilon that batch norms add to the variance (default: the file's, otherwise 1e-5)")
-        ->check(positive_number());
+    add_option(command, "--epsilon", o.epsilon, positive_number(),
+               "Epsilon that batch norms add to the variance (default: the file's, otherwise 1e-5)");
     command
         .add_option(
             "--classes", o.classes,
@@ -84,12 +81,11 @@ auto number_in(const std::string& file, const tactnet::file_metadata& metadata, 
                const char* expected, Read read) {
     const auto found = metadata.find(key);
     if (found == metadata.end())
-        throw tactnet::file_error(file, fmt::format("metadata '{}'", key),
-                                  "that of a training, or --images all", "none");
+        refuse("{}: metadata '{}': expected that of a training, or --images all, found none", file, key);
     const auto value = read(found->second);
     if (!value)
-        throw tactnet::file_error(file, fmt::format("metadata '{}'", key), expected,
-                                  tactnet::in_quotes(found->second));
+        refuse("{}: metadata '{}': expected {}, found {}", file, key, expected,
+               tactnet::in_quotes(found->second));
     return *value;
 }
 
@@ -111,7 +107,7 @@ loaded_weights load_weights(const weight_options& o) {
     if (!says.network.empty() && says.network != name)
         refuse("{}: expected weights of {} as --method says, found those of {}", o.weights, name,
                says.network);
-    const method& what = find_method(name, *rows, *columns);
+    const method& what = find_method(name, fmt::format("{}x{}", *rows, *columns));
     if (!what.is_network() && o.epsilon)
         refuse("--epsilon: expected a network, found {}, which has no batch norms", name);
     loaded_weights result{&what,
@@ -125,9 +121,8 @@ loaded_weights load_weights(const weight_options& o) {
     if (!o.classes.empty()) {
         std::vector<std::string> names = load_class_names(o.classes);
         if (names.size() != result.classes.size())
-            throw tactnet::file_error(
-                o.classes, "", fmt::format("{} class names, as {} has", result.classes.size(), o.weights),
-                fmt::to_string(names.size()));
+            refuse("{}: expected {} class names, as {} has, found {}", o.classes, result.classes.size(),
+                   o.weights, names.size());
         result.classes = std::move(names);
     }
     return result;
@@ -142,13 +137,12 @@ std::shared_ptr<const trained_method> load_start(const method& what, const train
     options.rows = what.rows, options.columns = what.columns;
     loaded_weights loaded = load_weights(options);
     if (loaded.trained->bits() == 8)
-        throw tactnet::file_error(settings.start, "metadata 'bits'",
-                                  "weights in single precision to begin with", "'8'");
+        refuse("{}: metadata 'bits': expected weights in single precision to begin with, found '8'",
+               settings.start);
     if (loaded.classes != classes)
-        throw tactnet::file_error(
-            settings.start, "",
-            fmt::format("the {} classes of the images, by the same names", classes.size()),
-            fmt::format("{} classes, or other names", loaded.classes.size()));
+        refuse(
+            "{}: expected the {} classes of the images, by the same names, found {} classes, or other names",
+            settings.start, classes.size(), loaded.classes.size());
     const auto says = loaded.metadata.find("input");
     const std::string wanted = describe_method(what, recipe_for(what, settings)).at("input");
     if (says != loaded.metadata.end() && says->second != wanted)
@@ -159,7 +153,7 @@ std::shared_ptr<const trained_method> load_start(const method& what, const train
 
 void start(training_run& training, const trained_method* from) {
     if (from != nullptr)
-        dynamic_cast<network_training&>(training).start_from(*from);
+        dynamic_cast<epoch_training&>(training).start_from(*from);
 }
 
 std::unique_ptr<trained_network> in_eight_bits(const trained_method& trained,
@@ -184,19 +178,16 @@ tactnet::data_split stored_split(const std::string& file, const tactnet::file_me
         number_in(file, metadata, "seed", "a whole number below 2^64", whole_number_of);
     const tactnet::split_shares shares{share_in("validation_share"), share_in("test_share")};
     if (!is_share(shares.validation + shares.test))
-        throw tactnet::file_error(
-            file, "metadata", "shares that leave some images for training",
-            fmt::format("{} to validate and {} to test", shares.validation, shares.test));
+        refuse("{}: metadata: expected shares that leave some images for training, found {} to validate and "
+               "{} to test",
+               file, shares.validation, shares.test);
     const auto split = metadata.find("split"), trained_on = metadata.find("data");
     if (split == metadata.end() || trained_on == metadata.end())
-        throw tactnet::file_error(file, "metadata", "'split' and 'data' of a training, or --images all",
-                                  "none");
+        refuse("{}: metadata: expected 'split' and 'data' of a training, or --images all, found none", file);
     if (trained_on->second != data.fingerprint)
-        throw tactnet::file_error(
-            folder, "",
-            fmt::format("the images that {} was trained on (fingerprint {}), or --images all", file,
-                        trained_on->second),
-            fmt::format("others ({})", data.fingerprint));
+        refuse("{}: expected the images that {} was trained on (fingerprint {}), or --images all, found "
+               "others ({})",
+               folder, file, trained_on->second, data.fingerprint);
     return tactnet::split_data(data.images.labels, data.images.classes.size(), split_rule_of(split->second),
                                seed, shares);
 }

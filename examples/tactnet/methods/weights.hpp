@@ -6,13 +6,6 @@
 #include "methods/method.hpp"
 #include "methods/training_settings.hpp"
 
-#include <cstddef>
-#include <memory>
-#include <optional>
-#include <span>
-#include <string>
-#include <vector>
-
 namespace CLI {
 class App;
 }
@@ -38,20 +31,19 @@ void add_weight_options(CLI::App& command, weight_options& options, bool require
 /// Throws tactnet::file_error and usage_error.
 loaded_weights load_weights(const weight_options& options);
 
-/// What a training of these classes begins with: nothing if `settings` name no file. Throws
-/// tactnet::file_error and usage_error, also for weights of other classes or of inputs that are meant
-/// otherwise.
+/// What a training of these classes begins with, or nothing. Throws tactnet::file_error and usage_error, also
+/// for weights of other classes or inputs.
 std::shared_ptr<const trained_method> load_start(const method& what, const training_settings& settings,
                                                  const std::vector<std::string>& classes);
 void start(training_run& training, const trained_method* from);
 
-/// A trained network in 8 bits, with ranges from the chosen images. Throws usage_error for weights that
-/// cannot be deployed so; for methods with such a form (check_bits).
+/// With ranges from the chosen images, for methods with such a form (check_bits). Throws usage_error for
+/// weights that cannot be deployed so.
 std::unique_ptr<trained_network> in_eight_bits(const trained_method& trained,
                                                const tactnet::labelled_images& images,
                                                std::span<const std::size_t> chosen);
 
-/// The split of the images that a weight file was trained on, as it says itself. Throws tactnet::file_error
-/// for a file that no training has written, and for other images than those of the training.
+/// The split of its training, as a weight file says. Throws tactnet::file_error for a file that no training
+/// has written, and for other images than those of the training.
 tactnet::data_split stored_split(const std::string& file, const tactnet::file_metadata& metadata,
                                  const std::string& folder, const image_data& data);

@@ -30,14 +30,6 @@ std::string first_line(std::string_view words) {
     return std::string(words.substr(0, words.find('\n')));
 }
 
-/// A slash after each.
-std::string joined(const std::vector<std::string>& names) {
-    std::string all;
-    for (const std::string& name : names)
-        all += printable(name) + '/';
-    return all;
-}
-
 /// A word of the shell.
 std::string shell_word(std::string_view text) {
     std::string result = "'";
@@ -62,15 +54,18 @@ std::pair<std::string, int> output_of(const std::string& command) {
 } // namespace
 
 bool draw_picture(const std::string& script, const std::filesystem::path& stem, const std::string& csv,
-                  const picture_titles& titles) {
+                  const std::string& title, const std::vector<std::string>& names) {
     const auto file = [&](const char* ending) { return std::filesystem::path(stem) += ending; };
+    std::string slashed;
+    for (const std::string& name : names)
+        slashed += name + '/';
     make_folder_of(stem);
     tactnet::write_file(file(".csv"), csv);
     const auto run = [&](const char* streams) {
         return output_of(fmt::format(
             "gnuplot -c /dev/stdin {} {} {} {} <<'end of script'\n{}\nend of script\n",
-            shell_word(std::filesystem::absolute(file(".csv")).string()), shell_word(printable(titles.title)),
-            shell_word(joined(titles.names)), streams, embedded(script)));
+            shell_word(std::filesystem::absolute(file(".csv")).string()), shell_word(printable(title)),
+            shell_word(printable(slashed)), streams, gnuplot_scripts.at(script)));
     };
     const auto [picture, status] = run("2>/dev/null");
     std::string problem = "gnuplot was not found";
@@ -101,11 +96,11 @@ void plot_learning_curves(const std::filesystem::path& stem, const std::string& 
                         {"loss", e.loss},
                         {"validation_loss", e.validation_loss},
                         {"validation_accuracy", e.validation_accuracy}});
-    draw_picture("learning_curves.gnuplot", stem, csv_of(rows), {title, {}});
+    draw_picture("learning_curves", stem, csv_of(rows), title);
 }
 
-std::string confusion_csv(const tactnet::confusion_matrix& confusion,
-                          const std::vector<std::string>& classes) {
+void plot_confusion(const std::filesystem::path& stem, const std::string& title,
+                    const tactnet::confusion_matrix& confusion, const std::vector<std::string>& classes) {
     std::string text = "true class";
     for (const std::string& name : classes)
         text += ',' + csv_field(printable(name)); // on one line, for gnuplot
@@ -114,17 +109,11 @@ std::string confusion_csv(const tactnet::confusion_matrix& confusion,
         for (std::size_t recognised = 0; recognised < classes.size(); ++recognised)
             text += ',' + fmt::to_string(confusion.count(truth, recognised));
     }
-    return text + '\n';
+    draw_picture("confusion", stem, text + '\n',
+                 fmt::format("{} ({} of {} right)", title, confusion.correct(), confusion.total()), classes);
 }
 
-void plot_confusion(const std::filesystem::path& stem, const std::string& title,
-                    const tactnet::confusion_matrix& confusion, const std::vector<std::string>& classes) {
-    draw_picture(
-        "confusion.gnuplot", stem, confusion_csv(confusion, classes),
-        {fmt::format("{} ({} of {} right)", title, confusion.correct(), confusion.total()), classes});
-}
-
-std::string reliability_csv(const calibration& of) {
+void plot_reliability(const std::filesystem::path& stem, const std::string& title, const calibration& of) {
     std::vector<nlohmann::ordered_json> rows;
     for (std::size_t b = 0; b < tactnet::reliability_diagram::bin_count; ++b) {
         nlohmann::ordered_json& row = rows.emplace_back();
@@ -137,12 +126,7 @@ std::string reliability_csv(const calibration& of) {
         add("softmax", of.before.bins()[b]);
         add("calibrated", of.after.bins()[b]);
     }
-    return csv_of(rows);
-}
-
-void plot_reliability(const std::filesystem::path& stem, const std::string& title, const calibration& of) {
-    draw_picture("reliability.gnuplot", stem, reliability_csv(of),
-                 {fmt::format("{} (calibration error {:.1f} %, by the softmax {:.1f} %)", title,
-                              100 * of.after.calibration_error(), 100 * of.before.calibration_error()),
-                  {}});
+    draw_picture("reliability", stem, csv_of(rows),
+                 fmt::format("{} (calibration error {:.1f} %, by the softmax {:.1f} %)", title,
+                             100 * of.after.calibration_error(), 100 * of.before.calibration_error()));
 }

@@ -7,33 +7,19 @@
 #include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/metrics.hpp>
 
-#include <filesystem>
-#include <span>
-#include <string>
-#include <vector>
-
-/// What a picture says of itself. Names are those of its series, without slashes.
-struct picture_titles {
-    std::string title{};
-    std::vector<std::string> names{};
-};
-
-/// Writes STEM.csv, and draws it as STEM.png by the script of that name, which gets the file, the title and
-/// the names as its arguments: no gnuplot and no shell reads these as commands. Returns false where it cannot
-/// be drawn, after a message that says why.
+/// Writes STEM.csv, and draws it as STEM.png by a script, which gets file, title and names of series as
+/// arguments: no gnuplot and no shell reads these as commands. Returns false where it cannot be drawn, after
+/// a message that says why.
 bool draw_picture(const std::string& script, const std::filesystem::path& stem, const std::string& csv,
-                  const picture_titles& titles);
+                  const std::string& title, const std::vector<std::string>& names = {});
 
 /// A line for each epoch of a training.
 void plot_learning_curves(const std::filesystem::path& stem, const std::string& title,
                           std::span<const tactnet::epoch_report> history);
 
 /// A row for each true class, a column for each recognised one.
-std::string confusion_csv(const tactnet::confusion_matrix& confusion,
-                          const std::vector<std::string>& classes);
 void plot_confusion(const std::filesystem::path& stem, const std::string& title,
                     const tactnet::confusion_matrix& confusion, const std::vector<std::string>& classes);
 
 /// A line for each bin of probabilities, by the softmax and by the fitted temperature.
-std::string reliability_csv(const calibration& of);
 void plot_reliability(const std::filesystem::path& stem, const std::string& title, const calibration& of);

@@ -1,10 +1,10 @@
 #include "reports/report.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cmath>
 
 std::string csv_field(std::string_view text) {
     if (text.find_first_of(",\"\r\n") == std::string_view::npos)
@@ -18,19 +18,16 @@ std::string csv_field(std::string_view text) {
 std::string csv_of(std::span<const nlohmann::ordered_json> rows) {
     std::string text;
     for (const nlohmann::ordered_json& row : rows) {
-        std::string head, line;
-        bool first = true;
+        std::vector<std::string> head, line;
         for (const auto& [key, value] : row.items()) {
-            // A NaN is null in JSON lines, which know none.
-            const bool known =
-                !value.is_null() && (!value.is_number_float() || std::isfinite(value.get<double>()));
-            head += (first ? "" : ",") + csv_field(key);
-            line += (first ? "" : ",") + (!known              ? ""
-                                          : value.is_string() ? csv_field(value.get<std::string>())
-                                                              : value.dump());
-            first = false;
+            const std::string plain = value.is_string() ? csv_field(value.get<std::string>()) : value.dump();
+            head.push_back(csv_field(key));
+            line.push_back(value.is_string() || plain != "null" ? plain
+                                                                : ""); // also of numbers that are none
         }
-        text += (text.empty() ? head + '\n' : "") + line + '\n';
+        if (text.empty())
+            text = fmt::format("{}\n", fmt::join(head, ","));
+        text += fmt::format("{}\n", fmt::join(line, ","));
     }
     return text;
 }

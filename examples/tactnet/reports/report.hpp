@@ -5,6 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstddef>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,5 +30,5 @@ table_cells without_empty_columns(const table_cells& rows);
 std::string table(const table_cells& rows);
 std::string markdown_table(const table_cells& rows);
 
-/// The text of a file of this program, such as "confusion.gnuplot", which the build has put into it.
-std::string_view embedded(std::string_view name);
+/// The texts of the scripts of this program, by names such as "confusion"; the build has put them into it.
+extern const std::map<std::string, std::string> gnuplot_scripts;

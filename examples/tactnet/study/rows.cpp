@@ -1,9 +1,9 @@
 #include "study/rows.hpp"
 
+#include "console.hpp"
 #include "reports/report.hpp"
 #include "study/published.hpp"
 
-#include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors/json_checksum.hpp>
 #include <tactnet/io/write_file.hpp>
 
@@ -44,43 +44,36 @@ std::vector<const training_result*> results_of(const candidate& c, split_rule ru
         if (r == nullptr)
             continue;
         if (r->confusion.classes() != classes)
-            throw tactnet::file_error("evaluation.jsonl", c.what->name,
-                                      fmt::format("results of {} classes", classes),
-                                      fmt::to_string(r->confusion.classes()));
+            refuse("evaluation.jsonl: {}: expected results of {} classes, found {}", c.what->name, classes,
+                   r->confusion.classes());
         found.push_back(r);
     }
     return found;
 }
 
-/// Mean and deviation of the splits that have such a value, and how many these are.
-template <class Value>
-std::pair<tactnet::mean_and_deviation, std::size_t> mean_over(const std::vector<const training_result*>& all,
-                                                              const Value& value) {
-    std::vector<double> known;
-    for (const training_result* r : all)
-        if (const double found = value(*r); std::isfinite(found))
-            known.push_back(found);
-    return {known.empty() ? tactnet::mean_and_deviation{std::nan(""), std::nan("")}
-                          : tactnet::mean_and_deviation::of(known),
-            known.size()};
-}
-
+/// Means over the splits that have such a value, and for those that are compared how many and their
+/// deviation.
 void put_accuracies(study_row& row, split_rule rule, const std::vector<const training_result*>& all,
                     std::size_t wanted) {
-    const auto put = [&](const char* name, auto value) { row.values[member(rule, name)] = value; };
-    const auto [test, splits] = mean_over(all, [](const auto& r) { return r.confusion.accuracy(); });
-    const auto [reflected, reflected_splits] =
-        mean_over(all, [](const auto& r) { return r.reflected_accuracy; });
-    put("splits", splits);
-    put("splits_wanted", wanted);
-    put("accuracy", test.mean);
-    put("deviation", test.deviation);
-    put("validation_accuracy",
-        mean_over(all, [](const auto& r) { return r.validation_accuracy; }).first.mean);
-    put("training_accuracy", mean_over(all, [](const auto& r) { return r.training_accuracy; }).first.mean);
-    put("reflected_splits", reflected_splits);
-    put("reflected_accuracy", reflected.mean);
-    put("reflected_deviation", reflected.deviation);
+    row.values[member(rule, "splits_wanted")] = wanted;
+    using accuracy = double (*)(const training_result&);
+    for (const auto& [kind, accuracy_of] :
+         {std::pair<std::string, accuracy>{"", [](const auto& r) { return r.confusion.accuracy(); }},
+          {"validation_", [](const auto& r) { return r.validation_accuracy; }},
+          {"training_", [](const auto& r) { return r.training_accuracy; }},
+          {"reflected_", [](const auto& r) { return r.reflected_accuracy; }}}) {
+        std::vector<double> known;
+        for (const training_result* r : all)
+            if (const double found = accuracy_of(*r); std::isfinite(found))
+                known.push_back(found);
+        const auto [mean, deviation] = known.empty() ? tactnet::mean_and_deviation{std::nan(""), std::nan("")}
+                                                     : tactnet::mean_and_deviation::of(known);
+        row.values[member(rule, kind + "accuracy")] = mean;
+        if (const std::string splits = member(rule, kind + "splits"); row.values.contains(splits)) {
+            row.values[splits] = known.size();
+            row.values[member(rule, kind + "deviation")] = deviation;
+        }
+    }
 }
 
 /// What the trainings on the first kind of splits that has any have in common.

@@ -8,12 +8,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <functional>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
-
 struct study_row {
     /// What programs get: a line of JSON or of a CSV file, the same members in each row, null for what is not
     /// known. Tables and pictures show the same.
@@ -44,8 +38,7 @@ std::string title_of(const study_row& row);
 /// The time of a method with weights of so many bits, if there is one.
 using time_of_method = std::function<std::optional<frame_latency>(const method& what, std::size_t bits)>;
 
-/// A row for each candidate, and one more if it is tried in 8 bits. Throws tactnet::file_error for results of
-/// other classes.
+/// A row for each candidate and number of bits. Throws tactnet::file_error for results of other classes.
 std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
                                const std::vector<task>& tasks, const result_list& results,
                                const time_of_method& time);
@@ -57,8 +50,7 @@ void put_decisions(study_row& row, const decision_means& means);
 /// What pictures show: random splits if there are any, else blocked ones.
 tactnet::split_rule shown_rule(const std::vector<study_row>& rows);
 
-/// Of rows with all their splits those with which no other is both faster and more accurate on splits by the
-/// rule, the fastest first.
+/// Rows with all their splits than which no other is both faster and more accurate, the fastest first.
 std::vector<const study_row*> pareto_front(const std::vector<study_row>& rows, tactnet::split_rule rule);
 
 /// The row that is most accurate on splits by the rule, or nothing.

@@ -72,6 +72,16 @@ std::string machine_name() {
     return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
 }
 
+std::string compiler_name() {
+#if defined(__clang__)
+    return fmt::format("Clang {}.{}.{}", __clang_major__, __clang_minor__, __clang_patchlevel__);
+#elif defined(__GNUC__)
+    return fmt::format("GCC {}.{}.{}", __GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__);
+#else
+    return "unknown";
+#endif
+}
+
 /// Which program measures on which machine.
 tactnet::file_metadata this_program() {
     tactnet::file_metadata key{
@@ -101,23 +111,15 @@ tactnet::file_metadata key_of(const method& what, std::size_t bits, tactnet::fil
 
 } // namespace
 
+void stay_on_this_core() {
 #if defined(__linux__)
-pinned::pinned() {
-    cpu_set_t before, one;
-    const int core = sched_getcpu();
-    if (core < 0 || sched_getaffinity(0, sizeof(before), &before) != 0)
-        return;
+    cpu_set_t one;
     CPU_ZERO(&one);
-    CPU_SET(static_cast<std::size_t>(core), &one);
-    if (sched_setaffinity(0, sizeof(one), &one) == 0)
-        free_ = [before] { sched_setaffinity(0, sizeof(before), &before); };
-}
-#else
-pinned::pinned() = default;
+    if (const int core = sched_getcpu(); core >= 0) {
+        CPU_SET(static_cast<std::size_t>(core), &one);
+        static_cast<void>(sched_setaffinity(0, sizeof(one), &one)); // where it is refused, it stays free
+    }
 #endif
-pinned::~pinned() {
-    if (free_)
-        free_();
 }
 
 frame_latency measure_latency(const frame_work& work, std::size_t together) {
@@ -150,9 +152,12 @@ void timing_list::read_on() {
 }
 
 void timing_list::show_latest() {
-    others_ = !latest_.empty() && latest_ != shown_;
-    if (others_)
+    if (!latest_.empty())
         shown_ = latest_;
+}
+
+bool timing_list::others() const {
+    return shown_ != this_program();
 }
 
 const frame_latency* timing_list::find(const method& what, std::size_t bits) const {
@@ -169,14 +174,4 @@ void timing_list::add(const method& what, std::size_t bits, const frame_latency&
                                      {"jitter", found.jitter}}
                   .dump());
     all_[key] = found;
-}
-
-std::string compiler_name() {
-#if defined(__clang__)
-    return fmt::format("Clang {}.{}.{}", __clang_major__, __clang_minor__, __clang_patchlevel__);
-#elif defined(__GNUC__)
-    return fmt::format("GCC {}.{}.{}", __GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__);
-#else
-    return "unknown";
-#endif
 }

@@ -6,34 +6,19 @@
 #include "files/line_file.hpp"
 #include "methods/method.hpp"
 
-#include <tactnet/io/model_file.hpp>
-
-#include <cstddef>
-#include <filesystem>
-#include <functional>
 #include <map>
-#include <string>
 
 /// In microseconds per frame, on one core.
 struct frame_latency {
     double median = 0;   ///< of single frames, one after the other
     double p99 = 0;      ///< 99 of 100 take no longer
     double in_batch = 0; ///< as many at once as pass together
-    /// What `p99` is by `median` for a loop in registers that takes as long: what of it is the machine's.
+    /// What `p99` is by `median` for a loop in registers that takes as long: the machine's part of it.
     double jitter = 1;
 };
 
-/// Keeps the calling thread on the core where it is. Where the system does not let it, it stays free.
-class pinned {
-public:
-    pinned();
-    pinned(const pinned&) = delete;
-    pinned& operator=(const pinned&) = delete;
-    ~pinned();
-
-private:
-    std::function<void()> free_; ///< lets it go where it could before
-};
+/// Keeps the calling thread, and those that it starts, on the core where it is, if the system does that.
+void stay_on_this_core();
 
 /// Takes about a second, or five frames where they take longer.
 frame_latency measure_latency(const frame_work& work, std::size_t together);
@@ -47,10 +32,9 @@ public:
     void read_on();
     /// With weights of so many bits, by this program on this machine, or nothing.
     const frame_latency* find(const method& what, std::size_t bits) const;
-    /// From now on `find` has what the program measured that has written the last line, perhaps another
-    /// version or on another machine.
+    /// From now on `find` has what the program that wrote the last line measured, perhaps on another machine.
     void show_latest();
-    bool others() const { return others_; }
+    bool others() const;
     /// Whose times are shown: processor, machine, compiler, version and instruction set.
     const tactnet::file_metadata& shown() const { return shown_; }
     void add(const method& what, std::size_t bits, const frame_latency& found);
@@ -58,9 +42,5 @@ public:
 private:
     line_file file_;
     tactnet::file_metadata shown_, latest_; ///< `latest_` has the last line of the file
-    bool others_ = false;
     std::map<tactnet::file_metadata, frame_latency> all_;
 };
-
-/// The compiler and its version.
-std::string compiler_name();

@@ -3,18 +3,8 @@
 
 #include "workshop.hpp"
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
 #include <atomic>
-#include <chrono>
-#include <csignal>
 #include <files/claims.hpp>
-#include <set>
-#include <string>
-#include <support/run_program.hpp>
-#include <thread>
-#include <vector>
 
 using namespace support;
 
@@ -80,7 +70,7 @@ TEST_SUITE("program") {
     TEST_CASE("output_files: one file under two names is refused") {
         const workshop shop;
         shop.trains("--epochs 2 --output net");
-        const std::string kept = text_of(shop / "net");
+        const std::string kept = shop.text("net");
         fs::create_symlink("net", shop / "link");
         fs::create_hard_link(shop / "net", shop / "hard");
         fs::create_symlink("later", shop / "dangling");
@@ -113,7 +103,7 @@ TEST_SUITE("program") {
              "--start and --results" + different},
             {"evaluate --data DATA --weights net", "--weights and --results" + different},
         });
-        CHECK(text_of(shop / "net") == kept);
+        CHECK(shop.text("net") == kept);
     }
 
     TEST_CASE("output_files: nothing is written among the images") {
@@ -191,7 +181,7 @@ TEST_SUITE("program") {
         shop.succeeds(arguments("--resume"));
         CHECK_FALSE(fs::exists(shop / "kept"));
         shop.trains("--epochs 1500 --output whole");
-        CHECK(text_of(shop / "out" / "net") == text_of(shop / "whole"));
+        CHECK(shop.text("out" / "net") == shop.text("whole"));
     }
 
     TEST_CASE("checkpoint: a closed terminal leaves one") {
@@ -288,18 +278,6 @@ TEST_SUITE("program") {
         CHECK(fs::is_empty(folder.path()));
     }
 
-    TEST_CASE("claims: a name that its holder is about to give up is waited for") {
-        const support::temporary_folder folder;
-        claims first, second;
-        REQUIRE(first.take(folder / "net"));
-        CHECK_FALSE(second.take(folder / "net"));
-        const std::jthread ends([&] {
-            std::this_thread::sleep_for(std::chrono::milliseconds(50));
-            first.release(folder / "net");
-        });
-        CHECK(second.take_soon(folder / "net"));
-    }
-
     TEST_CASE("evaluate: the claim of a program that was killed just before its end is removed") {
         const workshop shop;
         const words arguments(
@@ -327,8 +305,18 @@ TEST_SUITE("program") {
         CHECK(locks() == 1);
     }
 
-    TEST_CASE("claims: names are apart, and folders that were made for them go if they stay empty") {
+    TEST_CASE("claims: names are apart, one to be given up is waited for, folders that stay empty go") {
         const support::temporary_folder folder;
+        {
+            claims first, second;
+            REQUIRE(first.take(folder / "net"));
+            CHECK_FALSE(second.take(folder / "net"));
+            const std::jthread ends([&] {
+                std::this_thread::sleep_for(std::chrono::milliseconds(50));
+                first.release(folder / "net");
+            });
+            CHECK(second.take_soon(folder / "net"));
+        }
         {
             claims mine, others;
             CHECK(mine.take(folder / "a/b/net"));
@@ -349,7 +337,7 @@ TEST_SUITE("program") {
         shop.wait_for_first_epoch(child);
         REQUIRE(shop.stop(child, SIGINT).status == 130);
         // As an earlier version wrote it.
-        tactnet::write_file(shop / "net.checkpoint", without_checksum(text_of(shop / "net.checkpoint")));
+        tactnet::write_file(shop / "net.checkpoint", without_checksum(shop.text("net.checkpoint")));
         const outcome resumed = shop.train("--epochs 1500 --output net --resume");
         CHECK_MESSAGE(resumed.status == 0, resumed.error);
         says(resumed.error, "net.checkpoint: no checksum in it, so that damage may go unnoticed");
@@ -362,9 +350,9 @@ TEST_SUITE("program") {
         const pid_t children[] = {shop.start(arguments), shop.start(arguments), shop.start(arguments)};
         for (const pid_t child : children)
             CHECK(shop.wait(child).status == 0);
-        CHECK(lines_of(text_of(shop / "r" / "evaluation.jsonl")).size() == 12); // not 36
-        CHECK(lines_of(text_of(shop / "r" / "timings.jsonl")).size() == 1);
-        CHECK(lines_of(text_of(shop / "r" / "study.csv")).size() == 2);
+        CHECK(shop.lines("r" / "evaluation.jsonl").size() == 12); // not 36
+        CHECK(shop.lines("r" / "timings.jsonl").size() == 1);
+        CHECK(shop.lines("r" / "study.csv").size() == 2);
 
         // What a killed one had begun is done by another.
         fs::remove_all(shop / "r");
@@ -373,7 +361,7 @@ TEST_SUITE("program") {
         kill(killed, SIGKILL);
         CHECK(shop.wait(goes_on).status == 0);
         CHECK(shop.wait(killed).status == 1000 + SIGKILL);
-        CHECK(lines_of(text_of(shop / "r" / "evaluation.jsonl")).size() == 12);
+        CHECK(shop.lines("r" / "evaluation.jsonl").size() == 12);
         // The lock of the killed one is taken over by the next to do that training.
         fs::remove(shop / "r" / "evaluation.jsonl");
         shop.succeeds(arguments);

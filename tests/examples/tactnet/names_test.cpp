@@ -6,16 +6,11 @@
 
 #include <tactnet/io/file_error.hpp>
 
-#include <doctest/doctest.h>
-
 #include <cstdlib>
 #include <reports/pictures.hpp>
 #include <standard_output.hpp>
-#include <string>
-#include <string_view>
-#include <study/pictures.hpp>
+#include <study/page.hpp>
 #include <sys/stat.h>
-#include <vector>
 
 using namespace support;
 
@@ -143,7 +138,7 @@ TEST_SUITE("program") {
                 shop.succeeds(shop.train_arguments("--method svm-linear --output out/it's"));
             CHECK(fs::exists(picture) == problem.empty());
             if (problem.empty())
-                CHECK(text_of(picture) == text_of(shop / "whole.png"));
+                CHECK(text_of(picture) == shop.text("whole.png"));
             else
                 says(result.error, "out/it's.confusion.png is not drawn: " + problem +
                                        "; its numbers are in out/it's.confusion.csv\n");

@@ -1,6 +1,6 @@
 #pragma once
 
-// The program `tactnet` from outside: files in, files and exit status out.
+// The program `tactnet` from outside: files in, files and exit status out. Tests do not repeat the includes.
 
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
@@ -47,16 +47,30 @@ inline void says_not(const std::string& text, std::string_view part) {
     CHECK_MESSAGE(text.find(part) == std::string::npos, text);
 }
 
+inline std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);)
+        lines.push_back(line);
+    return lines;
+}
+
 struct outcome {
     int status;
     std::string out, error;
 };
+
+/// The exit status of a process, or 1000 and the signal that ended it.
+inline int status_of(int status) {
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+}
 
 /// Arguments of the program, of a line or a list; DATA stands for the workshop's folder of images, IMAGE for
 /// one of the first class.
 struct words : std::vector<std::string> {
     using std::vector<std::string>::vector;
     words(const std::vector<std::string>& list) : std::vector<std::string>(list) {}
+    words(const std::string& text) : words(text.c_str()) {}
     words(const char* line) {
         std::istringstream stream(line);
         for (std::string word; stream >> word;)
@@ -90,7 +104,9 @@ public:
     fs::path data() const { return folder_ / "data"; }
     fs::path image() const { return data() / "left" / "image0.png"; }
     fs::path work() const { return folder_ / "work"; }
-    fs::path operator/(const char* name) const { return work() / name; }
+    fs::path operator/(const fs::path& name) const { return work() / name; }
+    std::string text(const fs::path& name) const { return text_of(work() / name); }
+    std::vector<std::string> lines(const fs::path& name) const { return lines_of(text(name)); }
 
     pid_t start(const words& arguments) const {
         words texts = words{TACTNET_PROGRAM} + arguments;
@@ -137,8 +153,7 @@ public:
         REQUIRE(waitpid(child, &status, 0) == child);
         const auto [end, error] = std::move(errors_.extract(child).mapped());
         close(end);
-        return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status), text_of(folder_ / "out"),
-                error};
+        return {status_of(status), text_of(folder_ / "out"), error};
     }
     outcome stop(pid_t child, int signal) const {
         kill(child, signal);
@@ -196,12 +211,14 @@ private:
     mutable std::map<pid_t, std::pair<int, std::string>> errors_;
 };
 
-/// What a file holds, but for one of its tensors.
-inline tactnet::safetensors_writer copy_of(const tactnet::safetensors& file, std::string_view without = {}) {
+/// What a file holds, but for some of its tensors.
+inline tactnet::safetensors_writer copy_of(
+    const tactnet::safetensors& file,
+    const std::function<bool(const std::string&)>& is_left_out = [](auto&) { return false; }) {
     tactnet::safetensors_writer writer;
     writer.metadata = file.metadata();
     for (const auto& [name, entry] : file.tensors())
-        if (name != without)
+        if (!is_left_out(name))
             writer.add(name, entry.type, entry.extents, file.bytes(name));
     return writer;
 }
@@ -211,7 +228,8 @@ template <class Number = float>
 void rewrite(const fs::path& from, const fs::path& to, const std::string& tensor,
              const std::type_identity_t<std::function<void(std::vector<Number>&)>>& change) {
     const auto file = tactnet::safetensors::read(from);
-    tactnet::safetensors_writer writer = copy_of(file, tensor);
+    tactnet::safetensors_writer writer =
+        copy_of(file, [&](const std::string& name) { return name == tensor; });
     auto values = file.values<Number>(tensor);
     change(values);
     auto extents = file.at(tensor).extents;
@@ -236,14 +254,6 @@ inline std::string without_checksum(std::string bytes) {
     const std::size_t length = bytes.find('"', at + 20) + 1 - at;
     const std::string other = "\"before\":\"";
     return bytes.replace(at, length, other + std::string(length - other.size() - 1, '-') + "\"");
-}
-
-inline std::vector<std::string> lines_of(const std::string& text) {
-    std::vector<std::string> lines;
-    std::istringstream stream(text);
-    for (std::string line; std::getline(stream, line);)
-        lines.push_back(line);
-    return lines;
 }
 
 } // namespace support

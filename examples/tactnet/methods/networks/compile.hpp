@@ -11,10 +11,6 @@
 #include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/loop/trainable.hpp>
 
-#include <memory>
-#include <span>
-#include <string>
-#include <string_view>
 #include <type_traits>
 #include <utility>
 

@@ -8,9 +8,6 @@
 #include <tactnet/quantisation.hpp>
 
 #include <algorithm>
-#include <memory>
-#include <span>
-#include <vector>
 
 template <class Network>
 class eight_bit_code final : public compiled_eight_bit {

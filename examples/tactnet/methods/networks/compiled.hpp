@@ -6,21 +6,11 @@
 #include "methods/method.hpp"
 
 #include <tactnet/deployment/eight_bit/layout.hpp>
-#include <tactnet/io/model_file.hpp>
 #include <tactnet/io/save_model.hpp>
 #include <tactnet/training/loop.hpp>
 #include <tactnet/training/loop/trainable.hpp>
 
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
 /// A network of any type, with everything it takes to recognise.
 struct any_model {
@@ -34,8 +24,7 @@ struct any_model {
 class any_deployed {
 public:
     virtual ~any_deployed() = default;
-    /// A row of outputs for each frame, for frames one after the other. False for outputs that are not
-    /// finite.
+    /// A row of outputs for each of the frames, one after the other. False for outputs that are not finite.
     virtual bool infer(tactnet::thread_pool& threads, std::span<const std::uint8_t> frames,
                        std::span<float> outputs) const = 0;
     /// Whether outputs are probabilities, of a network that ends in a softmax; else they are logits.
@@ -60,16 +49,14 @@ struct compiled_network {
 
     std::size_t pixels() const { return input.size(); }
     tactnet::stored_arrays arrays() const { return tactnet::stored_arrays_of(describe(), outputs); }
-    /// For a number of classes: outputs that stand for no class are no part of the network, and each costs
-    /// the same.
+    /// Outputs that stand for no class are no part of the network, and each costs the same.
     method_costs costs_for(std::size_t classes) const;
 };
 
 /// The result of calibration.
 struct calibrated_numbers {
     std::vector<float> folded;
-    /// Root mean square differences of outputs from those in single precision, on the images: with these
-    /// weights, and with merely rounded ones.
+    /// Root mean square differences of outputs from single precision: with these weights, and merely rounded.
     double output_error, output_error_of_rounded;
 };
 
@@ -78,66 +65,47 @@ class compiled_eight_bit {
 public:
     virtual ~compiled_eight_bit() = default;
     virtual tactnet::folded_layout layout() const = 0;
-    /// Ranges and weights from images one after the other. Throws std::invalid_argument for a model that has
-    /// no form in 8 bits.
+    /// Ranges and weights from images. Throws std::invalid_argument for a model that has no form in 8 bits.
     virtual calibrated_numbers calibrate(const any_model& model,
                                          std::span<const std::uint8_t> images) const = 0;
     /// Throws std::invalid_argument for numbers that cannot be.
     virtual std::unique_ptr<any_deployed> deploy(std::span<const float> folded) const = 0;
 };
 
-/// `type`: without what is between the brackets: "tactnet::tactnet6". `published`: how the network was
-/// trained where it was published, if it was. `bytes`: its form in 8 bits, or null.
+/// `type`: without what is between the brackets: "tactnet::tactnet6". `published`: the authors' training, if
+/// any. `bytes`: its form in 8 bits, or null.
 std::unique_ptr<method> make_network_method(std::string_view name, const compiled_network& code,
                                             std::string_view type,
                                             std::optional<tactnet::published_training> published,
                                             std::unique_ptr<compiled_eight_bit> bytes);
-
-/// A model in 8 bits; `images` are those of its training, of which `chosen` give the ranges of its maps.
-/// Throws std::invalid_argument for a model that has no such form.
-std::unique_ptr<trained_network>
-make_eight_bit_network(const compiled_network& code, const compiled_eight_bit& bytes, const any_model& model,
-                       const tactnet::labelled_images& images, std::span<const std::size_t> chosen);
-/// From a file in 8 bits. Throws tactnet::file_error.
-std::unique_ptr<trained_network> load_eight_bit_network(const compiled_network& code,
-                                                        const compiled_eight_bit& bytes,
-                                                        const tactnet::safetensors& file);
-/// Bytes of its arrays in a file for so many classes, without the mean image.
-std::size_t eight_bit_parameter_bytes(const compiled_eight_bit& bytes, std::size_t classes);
 
 /// The values of each array, in the order of `describe`.
 std::vector<std::span<float>> arrays_of(tactnet::trainable& network);
 /// Random parameters, for timing.
 void draw_arrays(tactnet::trainable& network);
 
-/// The model as a file has it, without its self-test. A view of the model; `image` is the shape of the file's
-/// images.
+/// A view of the model as a file has it, without a self-test; `image` is the shape of the file's images.
 tactnet::model_parts parts_of(const any_model& model, tactnet::shape image, tactnet::stored_arrays arrays);
 /// A model with the contents of a file. Rows of outputs that stand for no class become zero, and so does a
 /// mean that is not stored. Throws tactnet::file_error.
 any_model load_model(const compiled_network& code, const tactnet::safetensors& file, tactnet::shape image,
                      std::optional<double> epsilon);
 
-/// A row for each of `count` samples, with one number a class. make(i, numbers) writes sample i: counts, or
-/// features.
+/// A row for each of `count` samples, one number a class. make(i, numbers) writes sample i.
 std::vector<float> logits_of(const any_model& model, std::size_t count,
                              const std::function<void(std::size_t, std::span<float>)>& make);
-/// A row of all outputs for each of some frames, one after the other. Throws std::runtime_error for outputs
-/// that are not finite.
+/// A row of all outputs for each frame. Throws std::runtime_error for outputs that are not finite.
 std::vector<float> outputs_of(const any_deployed& network, const compiled_network& code,
                               std::span<const std::uint8_t> frames, tactnet::thread_pool& threads);
-/// Returns logits. If the network ends in a softmax, these are the logarithms of its outputs, finite for
-/// zero.
+/// Logits: of a network that ends in a softmax the logarithms of its outputs, finite for zero.
 std::vector<float> logits_of(const any_deployed& network, const compiled_network& code,
                              std::span<const std::uint8_t> frames, tactnet::thread_pool& threads);
-/// Of rows of `outputs` logits, of which those of `classes` count. Throws std::runtime_error for some that
-/// are not finite.
+/// Of rows of `outputs` logits, the first for `classes`. Throws std::runtime_error for some not finite.
 std::vector<scored_class> classes_of_rows(std::span<const float> rows, std::size_t outputs,
                                           std::size_t classes, const tactnet::temperature_scaling& scaling);
 
-/// A training by epochs. `finish` makes a trained method of its best network, and lives as long as the
-/// training.
-class epoch_training final : public network_training {
+/// A training by epochs. `finish` makes a trained method of its best network, and lives as long.
+class epoch_training final : public training_run {
 public:
     using finisher = std::function<std::unique_ptr<trained_method>(any_model)>;
 
@@ -149,14 +117,16 @@ public:
 
     tactnet::training_loop& loop() { return loop_; }
     bool finished() const override { return loop_.finished(); }
-    void advance() override { loop_.run_epoch(); }
-    const std::vector<tactnet::epoch_report>& history() const override { return loop_.history(); }
-    std::size_t images_per_epoch() const override { return loop_.samples_per_epoch(); }
+    void advance() override; // not inline: it is to be compiled once, optimised
+    const std::vector<tactnet::epoch_report>& history() const { return loop_.history(); }
+    std::size_t images_per_epoch() const { return loop_.samples_per_epoch(); }
     const tactnet::data_split& split() const override { return loop_.split(); }
-    void start_from(const trained_method& other) override;
-    void save_checkpoint(const std::filesystem::path& path, const tactnet::file_metadata& settings) override;
+    /// Before the first epoch: begins with a network that the same method has loaded.
+    void start_from(const trained_method& other);
+    void save_checkpoint(const std::filesystem::path& path, const tactnet::file_metadata& settings);
+    /// Returns what is known of the file's checksum.
     tactnet::checksum_state load_checkpoint(const std::filesystem::path& path,
-                                            const tactnet::file_metadata& settings) override;
+                                            const tactnet::file_metadata& settings);
     std::unique_ptr<trained_method> best(const std::vector<std::string>& classes) const override;
 
 private:

@@ -135,6 +135,9 @@ method_costs compiled_network::costs_for(std::size_t classes) const {
             costs.activation_bytes - (outputs - classes) * sizeof(float)};
 }
 
+void epoch_training::advance() {
+    loop_.run_epoch();
+}
 void epoch_training::start_from(const trained_method& other) {
     tactnet::trainable& from = *other.model()->network;
     loop_.start_from(from.learnable_values(), from.running_statistics());

@@ -4,11 +4,6 @@
 
 #include <tactnet/io/safetensors/writer.hpp>
 
-#include <cstddef>
-#include <memory>
-#include <span>
-#include <vector>
-
 struct compiled_trunk;
 
 /// What stands between images and a support vector machine.

@@ -77,56 +77,21 @@ support_vector_machine support_vector_machine::load(const svm_options& options,
     return tactnet::load_linear_machine(file);
 }
 
-void support_vector_machine::add_to(tactnet::safetensors_writer& writer) const {
-    std::visit([&](const auto& own) { tactnet::add_machine(writer, own); }, own_);
-}
-
-std::size_t support_vector_machine::features() const {
-    return std::visit([](const auto& own) { return own.features(); }, own_);
-}
-
-const label_list& support_vector_machine::labels() const {
-    return std::visit([](const auto& own) -> const label_list& { return own.parameters().labels; }, own_);
-}
-
-tactnet::multiclass support_vector_machine::scheme() const {
-    return std::visit(
-        [](const auto& own) {
-            if constexpr (requires { own.parameters().scheme; })
-                return own.parameters().scheme;
-            else
-                return tactnet::multiclass::one_versus_rest;
-        },
-        own_);
-}
-
-std::vector<double> support_vector_machine::values(feature_list rows, tactnet::thread_pool& threads) const {
-    return std::visit(
-        [&](const auto& own) {
-            if constexpr (requires { own.decision_values(rows, threads); })
-                return own.decision_values(rows, threads);
-            else
-                return own.decision_values(rows);
-        },
-        own_);
-}
-
-scored_class support_vector_machine::decide(std::span<const double> values) const {
-    const std::size_t classes = labels().size();
-    const std::size_t found = tactnet::winning_class(values, classes, scheme());
+scored_class support_vector_machine::decide(std::span<const double> row) const {
+    const std::size_t found = tactnet::winning_class(row, labels.size(), scheme);
     double score = std::numeric_limits<double>::infinity();
-    if (scheme() == tactnet::multiclass::one_versus_rest) {
-        score = values[found];
+    if (scheme == tactnet::multiclass::one_versus_rest) {
+        score = row[found];
     } else { // a value for each pair: of two classes a single one
         std::size_t m = 0;
-        for (const auto& [first, second] : tactnet::class_pairs(classes)) {
+        for (const auto& [first, second] : tactnet::class_pairs(labels.size())) {
             if (first == found || second == found)
-                score = std::min(score, first == found ? values[m] : -values[m]);
+                score = std::min(score, first == found ? row[m] : -row[m]);
             ++m;
         }
     }
     if (!std::isfinite(score))
         throw std::runtime_error(
             "expected finite decision values, found some that are not: the weights are broken");
-    return {labels()[found], score};
+    return {labels[found], score};
 }

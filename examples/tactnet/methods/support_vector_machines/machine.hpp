@@ -7,17 +7,11 @@
 #include <tactnet/io/svm_file.hpp>
 #include <tactnet/svm.hpp>
 
-#include <cstddef>
-#include <span>
 #include <utility>
 #include <variant>
-#include <vector>
 
 using label_list = std::vector<std::size_t>;
 using feature_list = tactnet::feature_rows<>;
-using linear_machine = tactnet::linear_machine<>;
-using pair_machine = tactnet::kernel_machine<tactnet::linear_kernel>;
-using rbf_machine = tactnet::kernel_machine<tactnet::rbf_kernel>;
 using linear_options = tactnet::linear_training_options;
 /// For more features than images: see tactnet::train_linear_machine_by_products.
 using product_options = tactnet::linear_product_options;
@@ -30,31 +24,39 @@ using svm_options = std::variant<linear_options, product_options, pair_options, 
 /// Everything but the samples that decides the result of a training.
 tactnet::file_metadata describe(const svm_options& options);
 
-/// A support vector machine of any kind.
-class support_vector_machine {
-public:
-    support_vector_machine(linear_machine own) : own_(std::move(own)) {}
-    support_vector_machine(pair_machine own) : own_(std::move(own)) {}
-    support_vector_machine(rbf_machine own) : own_(std::move(own)) {}
+/// A support vector machine of any kind, trained.
+struct support_vector_machine {
+    std::size_t features;
+    label_list labels; ///< the classes that it was trained on
+    /// What its values stand for: of a machine with a kernel either, as its file says.
+    tactnet::multiclass scheme = tactnet::multiclass::one_versus_rest;
+    /// The values that decide, a row for each row.
+    std::function<std::vector<double>(feature_list rows, tactnet::thread_pool& threads)> values;
+    std::function<void(tactnet::safetensors_writer& writer)> add_to;
+
+    template <class Own>
+    support_vector_machine(Own machine) {
+        const auto own = std::make_shared<const Own>(std::move(machine));
+        features = own->features();
+        labels = own->parameters().labels;
+        if constexpr (requires { own->parameters().scheme; })
+            scheme = own->parameters().scheme;
+        values = [own](feature_list rows, tactnet::thread_pool& threads) {
+            if constexpr (requires { own->decision_values(rows, threads); })
+                return own->decision_values(rows, threads);
+            else
+                return own->decision_values(rows);
+        };
+        add_to = [own](tactnet::safetensors_writer& writer) { tactnet::add_machine(writer, *own); };
+    }
 
     static support_vector_machine train(const svm_options& options, feature_list rows,
                                         const label_list& labels, tactnet::thread_pool& threads);
     /// Loads a machine of the kind of the options. Throws tactnet::file_error.
     static support_vector_machine load(const svm_options& options, const tactnet::safetensors& file);
-    void add_to(tactnet::safetensors_writer& writer) const;
 
-    std::size_t features() const;
-    /// The classes that it was trained on.
-    const label_list& labels() const;
-    /// What its values stand for: of a machine with a kernel either, as its file says.
-    tactnet::multiclass scheme() const;
     /// In a row of `values`.
-    std::size_t machines() const { return tactnet::machine_count(labels().size(), scheme()); }
-    /// The values that decide, a row for each row.
-    std::vector<double> values(feature_list rows, tactnet::thread_pool& threads) const;
+    std::size_t machines() const { return tactnet::machine_count(labels.size(), scheme); }
     /// What such a row stands for. The score is the smallest value in favour of the class.
-    scored_class decide(std::span<const double> values) const;
-
-private:
-    std::variant<linear_machine, pair_machine, rbf_machine> own_;
+    scored_class decide(std::span<const double> row) const;
 };

@@ -21,18 +21,17 @@
 
 namespace {
 
-/// Which machine, and on which features: pixels by a scale, SURF words where that is 0, or those
-/// of a trunk.
+/// Which machine, and on which features: pixels by a scale, SURF words where that is 0, or those of a trunk.
 struct svm_recipe {
     std::string_view name;
     svm_options options;
     float pixel_scale = 0;
     std::string_view trunk{};
-    trunk_features_form form{};
+    bool pooled = false;
 };
 
 const std::vector<svm_recipe>& svm_recipes() {
-    constexpr trunk_features_form pooled{trunk_pooling::pooled, true};
+    constexpr bool pooled = true;
     // The paper's methods take all values of a layer, a machine for each class, and the cost that belongs to
     // a regularisation of one divided by the number of images.
     static const std::vector<svm_recipe> all{
@@ -74,16 +73,6 @@ private:
     std::size_t pixels_;
     float scale_;
 };
-
-/// body(first, how many) for some images at a time, each of which takes `bytes`: what is found of all of them
-/// can exceed the memory.
-template <class Body>
-void in_parts(std::size_t images, std::size_t bytes, const Body& body) {
-    constexpr std::size_t max_bytes = std::size_t{1} << 26U;
-    const std::size_t most = std::max<std::size_t>(1, max_bytes / bytes);
-    for (std::size_t first = 0; first < images; first += most)
-        body(first, std::min(most, images - first));
-}
 
 /// A support vector machine with its features.
 class trained_svm final : public trained_method {
@@ -152,7 +141,7 @@ private:
     label_list all_of(std::span<const std::uint8_t> images) const {
         return tactnet::all_samples(images.size() / (image_.rows * image_.columns));
     }
-    std::vector<double> values_of(std::span<const std::uint8_t> images, const label_list& chosen,
+    std::vector<double> values_of(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
                                   tactnet::thread_pool& threads) const {
         const std::vector<float> rows = features_->rows(images, chosen, threads);
         return own_.values(feature_list(rows, features_->size()), threads);
@@ -160,16 +149,17 @@ private:
     std::vector<scored_class> recognise_chosen(std::span<const std::uint8_t> images,
                                                std::span<const std::size_t> chosen,
                                                tactnet::thread_pool& threads) const {
-        const std::size_t each = own_.machines();
+        // Some at a time: what is found of all of them can exceed the memory.
+        const std::size_t each = own_.machines(),
+                          bytes = each * sizeof(double) + features_->size() * sizeof(float),
+                          most = std::max<std::size_t>(1, (std::size_t{1} << 26U) / bytes);
         std::vector<scored_class> result;
-        in_parts(
-            chosen.size(), each * sizeof(double) + features_->size() * sizeof(float),
-            [&](std::size_t first, std::size_t count) {
-                const auto part = chosen.subspan(first, count);
-                const std::vector<double> values = values_of(images, {part.begin(), part.end()}, threads);
-                for (std::size_t i = 0; i < count; ++i)
-                    result.push_back(own_.decide(std::span(values).subspan(i * each, each)));
-            });
+        for (; !chosen.empty(); chosen = chosen.subspan(std::min(most, chosen.size()))) {
+            const auto part = chosen.first(std::min(most, chosen.size()));
+            const std::vector<double> values = values_of(images, part, threads);
+            for (std::size_t i = 0; i < part.size(); ++i)
+                result.push_back(own_.decide(std::span(values).subspan(i * each, each)));
+        }
         return result;
     }
 
@@ -228,7 +218,7 @@ public:
         : method(recipe.name, image.rows, image.columns, std::numeric_limits<std::size_t>::max()),
           recipe_(recipe),
           surf_(surf),
-          finder_{std::move(trunk), recipe.form, image} {}
+          finder_{std::move(trunk), recipe.pooled, image} {}
 
     bool is_network() const override { return false; }
     bool keeps_features() const override { return finder_.trunk != nullptr; }
@@ -245,8 +235,7 @@ public:
         all.merge(features->fit_settings());
         return all;
     }
-    /// Costs of a machine trained on the paper's number of images per class, all of which are support vectors
-    /// at the worst.
+    /// Costs of a machine that was trained on the paper's number of images, at the worst all support vectors.
     method_costs costs(std::size_t classes) const override {
         const auto features = make();
         const std::size_t inputs = features->size();
@@ -260,9 +249,6 @@ public:
         result.parameter_bytes = result.parameters * sizeof(float);
         result.activation_bytes = std::max(result.activation_bytes, inputs * sizeof(float));
         return result;
-    }
-    std::size_t learnable(std::size_t classes) const override {
-        return costs(classes).parameters - (finder_.trunk ? finder_.trunk->costs.parameters : 0);
     }
     frame_work make_work(std::size_t) const override {
         const label_list all = tactnet::all_samples(paper_classes * paper_images_of_class);
@@ -309,13 +295,13 @@ public:
         require_metadata(file, {{"rows", fmt::to_string(rows)}, {"columns", fmt::to_string(columns)}});
         require_metadata(file, features->form());
         features->load(from);
-        if (own.features() != features->size())
+        if (own.features != features->size())
             throw tactnet::file_error(file.file(), "", fmt::format("{} features", features->size()),
-                                      fmt::to_string(own.features()));
-        if (own.labels().back() >= says.classes.size()) // they rise
+                                      fmt::to_string(own.features));
+        if (own.labels.back() >= says.classes.size()) // they rise
             throw tactnet::file_error(file.file(), "tensor 'labels'",
                                       fmt::format("labels of {} classes", says.classes.size()),
-                                      fmt::to_string(own.labels().back()));
+                                      fmt::to_string(own.labels.back()));
         auto trained =
             std::make_unique<trained_svm>(finder_.image, std::move(features), std::move(own), says.classes);
         trained->check_selftest(file);

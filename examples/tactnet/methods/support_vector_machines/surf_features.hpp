@@ -9,10 +9,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <optional>
-#include <stdexcept>
-#include <vector>
-
 template <tactnet::shape Shape>
 class surf_features final : public image_features {
     static constexpr tactnet::surf_grid grid{};

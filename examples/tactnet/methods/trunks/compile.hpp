@@ -12,45 +12,45 @@
 #include <tactnet/training/loop/trainable.hpp>
 #include <tactnet/transfer/networks.hpp>
 
-#include <memory>
-#include <span>
-#include <stdexcept>
-#include <string>
-#include <string_view>
+#include <algorithm>
 
 /// The trunks there are: a network each, up to the layer that the paper's authors took features from. A new
 /// one is a struct here and its name in TACTNET_PROGRAM_TRUNKS.
 namespace trunks {
 
+constexpr photograph_network known_as(std::string_view name) {
+    return *std::ranges::find(photograph_networks, name, &photograph_network::name);
+}
+
 struct squeezenet {
-    static constexpr photograph_network known = photograph_networks::squeezenet;
+    static constexpr photograph_network known = known_as("squeezenet");
     using network = tactnet::squeezenet1_1_trunk<known.photograph>;
     static constexpr std::string_view features = "fire9-concat", head_method = "squeezenet-pooled-nn";
-    static constexpr trunk_features_form head_features{trunk_pooling::pooled, true};
+    static constexpr bool pooled = true;
     static std::vector<std::string> behind() { return {"classifier."}; }
 };
 
 struct alexnet {
-    static constexpr photograph_network known = photograph_networks::alexnet;
+    static constexpr photograph_network known = known_as("alexnet");
     using network = tactnet::alexnet_fc7<known.photograph>;
     static constexpr std::string_view features = "fc7", head_method = "alexnet-fc7-nn";
-    static constexpr trunk_features_form head_features{};
+    static constexpr bool pooled = false;
     static std::vector<std::string> behind() { return {"classifier.6."}; }
 };
 
 struct resnet50 {
-    static constexpr photograph_network known = photograph_networks::resnet50;
+    static constexpr photograph_network known = known_as("resnet50");
     using network = tactnet::resnet50<known.photograph>;
     static constexpr std::string_view features = "fc1000", head_method = "resnet50-fc1000-nn";
-    static constexpr trunk_features_form head_features{};
+    static constexpr bool pooled = false;
     static std::vector<std::string> behind() { return {}; }
 };
 
 struct vgg16 {
-    static constexpr photograph_network known = photograph_networks::vgg16;
+    static constexpr photograph_network known = known_as("vgg16");
     using network = tactnet::vgg16_fc6<known.photograph>;
     static constexpr std::string_view features = "fc6", head_method = "vgg16-fc6-nn";
-    static constexpr trunk_features_form head_features{};
+    static constexpr bool pooled = false;
     static std::vector<std::string> behind() { return {"classifier.3.", "classifier.6."}; }
 };
 
@@ -83,7 +83,7 @@ compiled_network compile_head() {
 template <class Trunk, std::size_t Classes>
 std::shared_ptr<const compiled_trunk> compile_trunk() {
     using network = typename Trunk::network;
-    constexpr std::size_t features = Trunk::head_features.size(network::output_shape);
+    constexpr std::size_t features = feature_count(network::output_shape, Trunk::pooled);
     return std::make_shared<const compiled_trunk>(compiled_trunk{
         .network = Trunk::known,
         .features = Trunk::features,
@@ -92,7 +92,7 @@ std::shared_ptr<const compiled_trunk> compile_trunk() {
         .map = network::output_shape,
         .costs = costs_of<network>(),
         .head_method = Trunk::head_method,
-        .head_features = Trunk::head_features,
+        .head_features_pooled = Trunk::pooled,
         .head = compile_head<tactnet::feature_head<features, Classes>, tactnet::feature_head<features, 1>>(),
         .arrays = [] { return tactnet::stored_arrays_of<network>(); },
         .load =

@@ -7,44 +7,20 @@
 #include "methods/method.hpp"
 #include "methods/networks/compiled.hpp"
 
-#include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/stored_arrays.hpp>
-#include <tactnet/runtime/thread_pool.hpp>
-#include <tactnet/tensor/shape.hpp>
-
-#include <cstddef>
-#include <functional>
-#include <memory>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
 /// How the names of a trunk's arrays begin in the file of a method that is trained on its features.
 inline constexpr std::string_view trunk_prefix = "trunk.";
 
-enum class trunk_pooling {
-    none,  ///< every value, as in the paper
-    pooled ///< the largest value of each channel, then the mean of each channel
-};
+/// How many features a trunk's map becomes: every value, as in the paper; or, `pooled`, the largest value of
+/// each channel and then the mean of each, over the image and its reflections at rows, columns and both, so
+/// that features are the same for all four.
+constexpr std::size_t feature_count(tactnet::shape map, bool pooled) {
+    return pooled ? 2 * map.channels : map.size();
+}
 
-/// What of a trunk's map becomes features.
-struct trunk_features_form {
-    trunk_pooling pooling = trunk_pooling::none;
-    /// Whether an image stands for its reflections, too, at rows, columns and both: the largest values are
-    /// those of all four, and the means are means of all four, so that features are the same for all four.
-    bool reflected = false;
-
-    constexpr std::size_t size(tactnet::shape map) const {
-        return pooling == trunk_pooling::none ? map.size() : 2 * map.channels;
-    }
-    /// Photographs of one image.
-    constexpr std::size_t views() const { return reflected ? 4 : 1; }
-};
-
-/// A trunk with its weights, in its fastest form: writes a map for each photograph, one after the other, all
-/// [channel][row][column]; the same bits in any company and on any number of threads. Returns false for maps
-/// that are not finite. Calls may come from any number of threads.
+/// A trunk with its weights: writes a map for each photograph, [channel][row][column], the same bits in any
+/// company and on any number of threads, of which any may call. Returns false for maps that are not finite.
 using loaded_trunk = std::function<bool(tactnet::thread_pool& threads, std::span<const float> photographs,
                                         std::span<float> maps)>;
 
@@ -57,8 +33,8 @@ struct compiled_trunk {
     method_costs costs; ///< of one photograph
 
     std::string_view head_method; ///< the method that trains a head on it: "squeezenet-pooled-nn"
-    trunk_features_form head_features;
-    compiled_network head; ///< of features; it is never deployed
+    bool head_features_pooled;    ///< see feature_count
+    compiled_network head;        ///< of features; it is never deployed
 
     /// By torchvision's names.
     tactnet::stored_arrays (*arrays)();

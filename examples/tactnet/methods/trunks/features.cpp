@@ -34,8 +34,8 @@ std::vector<std::uint8_t> mirrored(std::span<const std::uint8_t> image, tactnet:
 
 method_costs feature_finder::costs() const {
     method_costs all = trunk->costs;
-    all.multiply_adds *= form.views();
-    all.multiply_adds_on_pixels *= form.views();
+    all.multiply_adds *= views();
+    all.multiply_adds_on_pixels *= views();
     return all;
 }
 
@@ -46,8 +46,8 @@ pretrained_file feature_finder::file() const {
 tactnet::file_metadata feature_finder::describe() const {
     return {{"features", fmt::format("{} of {}", trunk->features, trunk->network.title)},
             {"photograph", fmt::format("{}x{}", trunk->photograph.rows, trunk->photograph.columns)},
-            {"pooling", form.pooling == trunk_pooling::none ? "none" : "maximum and average"},
-            {"reflections", form.reflected ? "all four" : "none"},
+            {"pooling", pooled ? "maximum and average" : "none"},
+            {"reflections", pooled ? "all four" : "none"},
             {"input", "scale"},
             {"input_scale", "1"}}; // the features include how counts are scaled
 }
@@ -59,10 +59,10 @@ std::vector<float> feature_finder::find(const loaded_trunk& network, std::span<c
                       channels = trunk->map.channels;
     const std::size_t most = std::min(together, chosen.size());
     std::vector<float> rows(chosen.size() * size()), photographs(most * pixels), maps(most * values),
-        pooled(channels);
+        found(channels);
     for (std::size_t first = 0; first < chosen.size() && proceed(first); first += most) {
         const auto some = chosen.subspan(first, std::min(most, chosen.size() - first));
-        for (std::size_t view = 0; view < form.views(); ++view) {
+        for (std::size_t view = 0; view < views(); ++view) {
             threads.for_each(some.size(), [&](std::size_t i) {
                 const auto own = mirrored(images.subspan(some[i] * image.area(), image.area()), image, view);
                 tactnet::to_photograph(own, image, photograph,
@@ -77,17 +77,17 @@ std::vector<float> feature_finder::find(const loaded_trunk& network, std::span<c
             for (std::size_t i = 0; i < some.size(); ++i) {
                 const auto map = std::span<const float>(maps).subspan(i * values, values);
                 const auto row = std::span(rows).subspan((first + i) * size(), size());
-                if (form.pooling == trunk_pooling::none) {
+                if (!pooled) {
                     std::ranges::copy(map, row.begin());
                     continue;
                 }
                 const auto largest = row.first(channels), mean = row.subspan(channels);
-                tactnet::pool_features(tactnet::feature_pooling::maximum, map, trunk->map, pooled);
+                tactnet::pool_features(tactnet::feature_pooling::maximum, map, trunk->map, found);
                 for (std::size_t c = 0; c < channels; ++c)
-                    largest[c] = view == 0 ? pooled[c] : std::max(largest[c], pooled[c]);
-                tactnet::pool_features(tactnet::feature_pooling::average, map, trunk->map, pooled);
+                    largest[c] = view == 0 ? found[c] : std::max(largest[c], found[c]);
+                tactnet::pool_features(tactnet::feature_pooling::average, map, trunk->map, found);
                 for (std::size_t c = 0; c < channels; ++c)
-                    mean[c] = (view == 0 ? 0 : mean[c]) + pooled[c] / static_cast<float>(form.views());
+                    mean[c] = (view == 0 ? 0 : mean[c]) + found[c] / static_cast<float>(views());
             }
         }
     }
@@ -121,10 +121,8 @@ std::shared_ptr<pretrained_weights> trunk_features::pretrained(const feature_fin
 
 void trunk_features::load(const weight_file& file) {
     if (!file.trunk)
-        throw tactnet::file_error(file.arrays.file(), "",
-                                  fmt::format("arrays of {}, whose names begin with '{}'",
-                                              finder_.trunk->network.title, trunk_prefix),
-                                  "none");
+        refuse("{}: expected arrays of {}, whose names begin with '{}', found none", file.arrays.file(),
+               finder_.trunk->network.title, trunk_prefix);
     open(file.trunk, std::string(trunk_prefix));
 }
 
@@ -201,10 +199,8 @@ bool trunk_features::prepare(const image_data& data, const std::filesystem::path
             return !interrupted();
         };
         kept_ = finder_.find(network(), data.images.pixels, tactnet::all_samples(count), threads, proceed);
-        if (!proceed(count)) {
-            line.end_line();
+        if (!proceed(count))
             return false;
-        }
         if (!folder.empty()) {
             tactnet::safetensors_writer writer;
             writer.metadata = settings;

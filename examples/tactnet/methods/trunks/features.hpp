@@ -7,43 +7,35 @@
 #include "methods/trunks/compiled.hpp"
 
 #include <tactnet/io/safetensors/writer.hpp>
-#include <tactnet/tensor/shape.hpp>
 #include <tactnet/transfer/photograph.hpp>
 
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
-#include <functional>
-#include <memory>
 #include <mutex>
-#include <span>
-#include <string>
-#include <vector>
 
 /// From images of one size to features, without weights.
 struct feature_finder {
     std::shared_ptr<const compiled_trunk> trunk;
-    trunk_features_form form;
+    bool pooled; ///< see feature_count
     tactnet::extent2d image;
     tactnet::photograph_preprocessing photograph = tactnet::torchvision_photograph;
 
     /// Numbers of one image.
-    std::size_t size() const { return form.size(trunk->map); }
+    std::size_t size() const { return feature_count(trunk->map, pooled); }
+    /// Photographs of one image.
+    std::size_t views() const { return pooled ? 4 : 1; }
     /// Costs of one image.
     method_costs costs() const;
     /// The file that it needs.
     pretrained_file file() const;
     /// How features are computed. A weight file has the same metadata, or it is for others.
     tactnet::file_metadata describe() const;
-    /// A row for each of the chosen images, some of which pass together: the same bits in any company and on
-    /// any number of threads. Before each such group, proceed(images that are done) may stop it. Throws
+    /// A row for each of the chosen images, `together` at a time: the same bits in any company and on any
+    /// number of threads. Before each group, proceed(images that are done) may stop it. Throws
     /// std::runtime_error for features that are not finite.
     std::vector<float> find(
         const loaded_trunk& network, std::span<const std::uint8_t> images,
         std::span<const std::size_t> chosen, tactnet::thread_pool& threads,
         const std::function<bool(std::size_t)>& proceed = [](std::size_t) { return true; }) const;
-    /// Frames through the trunk with random weights, and then use(features) for the rows of all frames of a
-    /// call.
+    /// Frames through the trunk with random weights, and then use(features) for the rows of all of a call.
     frame_work work(std::function<void(std::span<const float>)> use) const;
     /// How many pass together at most.
     static constexpr std::size_t together = 16;

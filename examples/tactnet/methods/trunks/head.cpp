@@ -75,7 +75,7 @@ class trunk_head_method final : public method {
 public:
     trunk_head_method(tactnet::extent2d image, const std::shared_ptr<const compiled_trunk>& trunk)
         : method(trunk->head_method, image.rows, image.columns, trunk->head.outputs),
-          finder_{trunk, trunk->head_features, image} {}
+          finder_{trunk, trunk->head_features_pooled, image} {}
 
     bool is_network() const override { return true; }
     std::string_view kind() const override { return "head of a frozen trunk"; }

@@ -4,14 +4,7 @@
 
 #include <tactnet/io/write_file.hpp>
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <cstdint>
-#include <string>
-#include <string_view>
 #include <support/files/data_folder.hpp>
-#include <vector>
 
 using namespace support;
 

@@ -1,21 +1,25 @@
-// tactnet classify.
+// tactnet classify and export.
 
 #include "../workshop.hpp"
 
-#include <doctest/doctest.h>
-
 #include <limits>
-#include <string>
 #include <support/files/data_folder.hpp>
-#include <vector>
+#include <sys/stat.h>
 
 using namespace support;
 
 TEST_SUITE("program") {
-    TEST_CASE("classify: bad weight files") {
+    TEST_CASE("classify: bad weight files are refused, those without a checksum accepted with a message") {
         const workshop shop;
         shop.trains("--epochs 2 --output net");
-        const auto whole = text_of(shop / "net");
+        const auto whole = shop.text("net");
+        tactnet::write_file(shop / "older", without_checksum(whole));
+        const std::string sentence = "no checksum in it, so that damage may go unnoticed";
+        const outcome with = shop.succeeds("classify --weights net IMAGE"),
+                      without = shop.succeeds("classify --weights older IMAGE");
+        CHECK(without.out == with.out);
+        says_not(with.error, sentence);
+        says(without.error, "older: " + sentence);
         for (const std::size_t length :
              {std::size_t{0}, std::size_t{5}, whole.size() / 2, whole.size() - 1}) {
             tactnet::write_file(shop / "cut", std::string_view(whole).substr(0, length));
@@ -33,7 +37,7 @@ TEST_SUITE("program") {
             {"classify IMAGE --weights net --method tactnet6",
              "net: expected weights of tactnet6 as --method says, found those of tactnet4"},
             {"classify IMAGE --weights net --rows 9",
-             "--rows, --columns: expected a size that tactnet4 was compiled for ("},
+             "--rows, --columns, --sizes: expected a size that tactnet4 was compiled for ("},
             {"classify IMAGE --weights nan",
              "nan: tensor 'conv2.weight', element 7: expected a finite number, found nan"},
             {"classify IMAGE --weights moved", "moved: self-test, image 0, class 0: expected the logit "},
@@ -58,19 +62,6 @@ TEST_SUITE("program") {
         fs::remove(shop.image());
         shop.refuses("evaluate --weights net --data DATA",
                      "data: expected the images that net was trained on");
-    }
-
-    TEST_CASE("classify: weights without a checksum are accepted, with a message") {
-        const workshop shop;
-        shop.trains("--epochs 2 --output net");
-        tactnet::write_file(shop / "older", without_checksum(text_of(shop / "net")));
-        const std::string sentence = "no checksum in it, so that damage may go unnoticed";
-        const outcome with = shop.succeeds("classify --weights net IMAGE"),
-                      without = shop.run("classify --weights older IMAGE");
-        CHECK_MESSAGE(without.status == 0, without.error);
-        CHECK(without.out == with.out);
-        says_not(with.error, sentence);
-        says(without.error, "older: " + sentence);
     }
 
     TEST_CASE("classify: the published TactNet-4 on real images" * doctest::test_suite("data")) {
@@ -103,5 +94,44 @@ TEST_SUITE("program") {
         // It recognises 93 of the 110 published resized images, 84.5 %; three standard deviations of that
         // below.
         CHECK(static_cast<double>(right) > 0.742 * static_cast<double>(lines.size()));
+    }
+
+    TEST_CASE("export: a header, the same every time") {
+        const workshop shop;
+        shop.trains("--epochs 2 --output net");
+        const outcome written = shop.succeeds("export --weights net --output out/net.hpp");
+        CHECK(written.out.empty());
+        const std::string text = shop.text("out/net.hpp");
+        CHECK(text.starts_with("// tactnet4 for frames of 7 × 13 × 1 "));
+        says(text, "\nnamespace tactile {\ninline namespace TACTNET_ARCH {\n");
+        says(text, "\"middle, of all\"");
+        says(text, "inline constexpr recogniser_type::packed_weights packed");
+        shop.succeeds("export --weights net --output again.hpp");
+        CHECK(shop.text("again.hpp") == text);
+        REQUIRE(
+            shop.run("export --weights net --output other.hpp --namespace gripper::left --packing at-start")
+                .status == 0);
+        says(shop.text("other.hpp"), "\nnamespace gripper::left {\ninline namespace TACTNET_ARCH {\n");
+        says(shop.text("other.hpp"), "inline const recogniser_type::packed_weights packed");
+
+        tactnet::write_file(shop / "names", std::string("one\ntw\x1B[31mo\nthree\n"));
+        REQUIRE(::mkfifo((shop / "pipe").c_str(), 0600) == 0);
+        shop.refuses_each({
+            {"export --weights net", "--output is required"},
+            {"export --weights net --output x.hpp --packing never", "--packing: never not in {"},
+            {"export --weights net --output x.hpp --namespace a-b",
+             "--namespace: expected a name such as gripper or gripper::tactile, found 'a-b'"},
+            {{"export", "--weights", "net", "--output", "x.hpp", "--classes", ""},
+             "--classes: expected a file or a folder of names, found ''"},
+            {"export --weights net --output x.hpp --classes names",
+             "names: name 2: expected a name without control characters, found 'tw\\x1b[31mo'"},
+            {"export --weights net --output pipe", "expected a regular file, found a named pipe"},
+            {"export --weights nothing --output x.hpp",
+             "nothing: expected a file, found nothing of that name"},
+            {"export --weights net --output out", "found a folder"},
+        });
+        tactnet::write_file(shop / "cut", std::string_view(text).substr(0, 100));
+        shop.refuses("export --weights cut --output out/net.hpp", "cut: ");
+        CHECK(shop.text("out/net.hpp") == text);
     }
 }

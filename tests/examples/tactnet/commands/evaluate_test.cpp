@@ -4,16 +4,9 @@
 
 #include <tactnet/io/safetensors/json_checksum.hpp>
 
-#include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
-#include <chrono>
-#include <fcntl.h>
-#include <string>
 #include <sys/file.h>
-#include <thread>
-#include <unistd.h>
-#include <vector>
 
 using namespace support;
 
@@ -29,7 +22,7 @@ TEST_SUITE("program") {
         const outcome first = evaluate("--splits 1 --jobs 2");
         REQUIRE_MESSAGE(first.status == 0, first.error);
         says(first.error, "4 trainings to do, of 4 in all");
-        const auto kept = text_of(shop / "r/evaluation.jsonl");
+        const auto kept = shop.text("r/evaluation.jsonl");
         CHECK(lines_of(kept).size() == 4);
         for (const std::string& line : lines_of(kept)) {
             const auto result = nlohmann::json::parse(line);
@@ -47,14 +40,14 @@ TEST_SUITE("program") {
             for (const auto& mean : decisions)
                 CHECK(mean.at(1).get<std::size_t>() == tested);
         }
-        CHECK(lines_of(text_of(shop / "r/table.csv")).size() == 3);
-        CHECK(lines_of(text_of(shop / "r/table.jsonl")).size() == 2);
+        CHECK(shop.lines("r/table.csv").size() == 3);
+        CHECK(shop.lines("r/table.jsonl").size() == 2);
         CHECK(fs::exists(shop / "r/confusion_tactnet4_7x13.csv"));
-        CHECK(lines_of(text_of(shop / "r/reliability_tactnet4_7x13.csv")).size() == 16);
+        CHECK(shop.lines("r/reliability_tactnet4_7x13.csv").size() == 16);
         says(first.out, "calibration error before, %");
-        CHECK(lines_of(text_of(shop / "r/accuracy_and_time.csv"))[0] == "series,x,accuracy,deviation,label");
-        CHECK(lines_of(text_of(shop / "r/table.csv"))[0].starts_with("method,rows,columns,recipe,bits,"));
-        const auto row = nlohmann::json::parse(lines_of(text_of(shop / "r/table.jsonl"))[0]);
+        CHECK(shop.lines("r/accuracy_and_time.csv")[0] == "series,x,accuracy,deviation,label");
+        CHECK(shop.lines("r/table.csv")[0].starts_with("method,rows,columns,recipe,bits,"));
+        const auto row = nlohmann::json::parse(shop.lines("r/table.jsonl")[0]);
         for (const char* known :
              {"random_accuracy", "random_deviation", "blocked_accuracy", "blocked_deviation", "parameters",
               "multiply_adds", "multiply_adds_on_pixels", "bytes", "activation_bytes", "microseconds",
@@ -77,7 +70,7 @@ TEST_SUITE("program") {
         const outcome unknown = with_unknown("1");
         REQUIRE_MESSAGE(unknown.status == 0, unknown.error);
         says(unknown.out, "unknown by softmax: area, %");
-        const auto measured = nlohmann::json::parse(lines_of(text_of(shop / "u/table.jsonl"))[0]);
+        const auto measured = nlohmann::json::parse(shop.lines("u/table.jsonl")[0]);
         for (const char* share : {"unknown_softmax_area", "unknown_softmax_accepted", "unknown_energy_area",
                                   "unknown_energy_accepted"})
             CHECK_MESSAGE((measured.at(share) >= 0 && measured.at(share) <= 1), share);
@@ -86,29 +79,27 @@ TEST_SUITE("program") {
         const outcome second = evaluate("--splits 2 --jobs 1");
         REQUIRE_MESSAGE(second.status == 0, second.error);
         says(second.error, "4 trainings to do, of 8 in all");
-        CHECK(text_of(shop / "r/evaluation.jsonl").starts_with(kept));
+        CHECK(shop.text("r/evaluation.jsonl").starts_with(kept));
 
         // One kind of split alone: the same trainings, and nothing is said of the other kind.
         const outcome random = evaluate("--splits 2 --split random --jobs 1");
         CHECK(random.status == 0);
         says(random.error, "0 trainings to do, of 4 in all");
         says(random.out, "random splits, %");
-        for (const std::string& text : {random.out, text_of(shop / "r/accuracy_and_time.csv")})
+        for (const std::string& text : {random.out, shop.text("r/accuracy_and_time.csv")})
             says_not(text, "blocked");
-        CHECK(nlohmann::json::parse(lines_of(text_of(shop / "r/table.jsonl"))[0])
-                  .at("blocked_accuracy")
-                  .is_null());
+        CHECK(nlohmann::json::parse(shop.lines("r/table.jsonl")[0]).at("blocked_accuracy").is_null());
 
         // A line that was being written when the power went is passed over, and replaced.
-        const auto whole = text_of(shop / "r/evaluation.jsonl");
+        const auto whole = shop.text("r/evaluation.jsonl");
         tactnet::write_file(shop / "r/evaluation.jsonl",
                             std::string_view(whole).substr(0, whole.size() - 20));
         const outcome third = evaluate("--splits 2 --jobs 1");
         says(third.error, "1 trainings to do, of 8 in all");
-        CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 8);
+        CHECK(shop.lines("r/evaluation.jsonl").size() == 8);
 
         // Another version of the library may train otherwise: its results are not taken for this one's.
-        std::string older = text_of(shop / "r/evaluation.jsonl");
+        std::string older = shop.text("r/evaluation.jsonl");
         const std::string version = "\"library\":\"";
         REQUIRE(older.find(version) != std::string::npos);
         for (std::size_t at = 0; (at = older.find(version, at)) != std::string::npos; at += version.size())
@@ -127,11 +118,11 @@ TEST_SUITE("program") {
         older = summed_anew(older);
         tactnet::write_file(shop / "r/evaluation.jsonl", older);
         CHECK(evaluate("--splits 1").error.find("4 trainings to do, of 4 in all") != std::string::npos);
-        CHECK(text_of(shop / "r/evaluation.jsonl").starts_with(older));
+        CHECK(shop.text("r/evaluation.jsonl").starts_with(older));
 
         CHECK(evaluate("--splits 1 --afresh").error.find("4 trainings to do, of 4 in all") !=
               std::string::npos);
-        CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 4);
+        CHECK(shop.lines("r/evaluation.jsonl").size() == 4);
 
         tactnet::write_file(shop / "r/evaluation.jsonl", "{}\n");
         const outcome damaged = evaluate("--splits 1");
@@ -147,7 +138,7 @@ TEST_SUITE("program") {
                    more;
         };
         const outcome first = shop.succeeds(evaluate("--jobs 2"));
-        const auto table = lines_of(text_of(shop / "r/table.csv"));
+        const auto table = shop.lines("r/table.csv");
         REQUIRE(table.size() == 4);
         const char* names[] = {"svm-linear", "svm-rbf", "surf-svm"};
         for (std::size_t m = 0; m < 3; ++m) {
@@ -157,12 +148,12 @@ TEST_SUITE("program") {
             const std::string start = std::string(names[m]) + ",7,13,default,32,2,2,";
             REQUIRE(table[m + 1].find(start) == 0);
             CHECK(std::stod(table[m + 1].substr(start.size())) >= (m < 2 ? 1.0 : 0.9));
-            CHECK(fs::exists(shop / ("r/confusion_" + std::string(names[m]) + "_7x13.csv").c_str()));
+            CHECK(fs::exists(shop / ("r/confusion_" + std::string(names[m]) + "_7x13.csv")));
         }
-        const auto kept = text_of(shop / "r/evaluation.jsonl");
+        const auto kept = shop.text("r/evaluation.jsonl");
         const outcome again = shop.run(evaluate("--jobs 1"));
         says(again.error, "0 trainings to do, of 6 in all");
-        CHECK(text_of(shop / "r/evaluation.jsonl") == kept);
+        CHECK(shop.text("r/evaluation.jsonl") == kept);
 
         // What is for networks goes to those of the list; without any it is a mistake.
         shop.succeeds("evaluate --data DATA --rows 7 --columns 13 --split random --splits 1 --epochs 2 "
@@ -209,7 +200,7 @@ TEST_SUITE("program") {
         }
         CHECK_MESSAGE(limited.status == 0, limited.error);
         says(limited.error, "the system refuses more threads: 1 trainings at a time in place of 3");
-        CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 4);
+        CHECK(shop.lines("r/evaluation.jsonl").size() == 4);
     }
 #endif
 
@@ -221,7 +212,7 @@ TEST_SUITE("program") {
                    words{"--results", results, "--seed", seed, "--splits", splits};
         };
         shop.succeeds(arguments("0", "1", "other"));
-        const std::string line = text_of(shop / "other/evaluation.jsonl");
+        const std::string line = shop.text("other/evaluation.jsonl");
 
         // The test writes as another program does, and is slow about it.
         fs::create_directory(shop / "r");

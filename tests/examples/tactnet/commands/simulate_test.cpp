@@ -2,12 +2,6 @@
 
 #include "../workshop.hpp"
 
-#include <doctest/doctest.h>
-
-#include <csignal>
-#include <string>
-#include <vector>
-
 using namespace support;
 
 TEST_SUITE("program") {
@@ -40,7 +34,7 @@ TEST_SUITE("program") {
         // A folder begun with these settings is continued, any other left alone.
         fs::remove(shop / "one" / "rock" / "00002.png");
         CHECK(simulate("one", {}).status == 0);
-        CHECK(text_of(shop / "one" / "rock" / "00002.png") == text_of(shop / "three" / "rock" / "00002.png"));
+        CHECK(shop.text("one" / "rock" / "00002.png") == shop.text("three" / "rock" / "00002.png"));
         shop.refuses_each({
             {"simulate --out one --per-class 3", "expected images of the same simulation"},
             {"simulate --out DATA", "expected a new folder, an empty one"},
@@ -60,8 +54,7 @@ TEST_SUITE("program") {
         fs::create_directory(shop / "begun");
         fs::copy(shop / "one" / "simulation.json", shop / "begun");
         CHECK(simulate("begun", {}).status == 0);
-        CHECK(text_of(shop / "begun" / "rock" / "00002.png") ==
-              text_of(shop / "three" / "rock" / "00002.png"));
+        CHECK(shop.text("begun" / "rock" / "00002.png") == shop.text("three" / "rock" / "00002.png"));
     }
 
     TEST_CASE("simulate: Ctrl-C, then the same command goes on; two at once do no harm") {
@@ -83,8 +76,7 @@ TEST_SUITE("program") {
         for (const auto& entry : fs::recursive_directory_iterator(shop / "stopped")) {
             if (!entry.is_regular_file())
                 continue;
-            CHECK(text_of(entry.path()) ==
-                  text_of(shop / "whole" / fs::relative(entry.path(), shop / "stopped")));
+            CHECK(text_of(entry.path()) == shop.text("whole" / fs::relative(entry.path(), shop / "stopped")));
             ++files;
         }
         CHECK(files == 22 * 40 + 1); // with the note, and nothing half-written

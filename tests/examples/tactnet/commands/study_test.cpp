@@ -1,17 +1,11 @@
-// tactnet study and tactnet recommend.
+// tactnet study, recommend and list.
 
 #include "../workshop.hpp"
 
 #include <tactnet/io/safetensors/json_checksum.hpp>
 #include <tactnet/io/write_file.hpp>
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
 #include <cstddef>
-#include <string>
-#include <string_view>
-#include <vector>
 
 using namespace support;
 
@@ -19,10 +13,9 @@ namespace {
 
 /// A study of two methods on 7 × 13 tactels, in single precision.
 words study(const std::string& results_and_more) {
-    return words(("study --data DATA --methods tactnet4,svm-linear --sizes 7x13 --recipes default --splits 2 "
-                  "--bits 32 --results " +
-                  results_and_more)
-                     .c_str());
+    return words("study --data DATA --methods tactnet4,svm-linear --sizes 7x13 --recipes default --splits 2 "
+                 "--bits 32 --results " +
+                 results_and_more);
 }
 
 /// A line as it was before it was given a checksum, its last member.
@@ -43,15 +36,15 @@ TEST_SUITE("program") {
         const workshop shop;
         const outcome first = shop.succeeds(study("s"));
         says(first.error, "8 trainings to do, of 8 in all");
-        CHECK(lines_of(text_of(shop / "s/evaluation.jsonl")).size() == 8);
-        CHECK(lines_of(text_of(shop / "s/timings.jsonl")).size() == 2);
-        CHECK(lines_of(text_of(shop / "s/study.csv")).size() == 3);
-        CHECK(lines_of(text_of(shop / "s/study.jsonl")).size() == 2);
-        CHECK(lines_of(text_of(shop / "s/confusion.csv"))[0] == "true class,left,\"middle, of all\",right");
+        CHECK(shop.lines("s/evaluation.jsonl").size() == 8);
+        CHECK(shop.lines("s/timings.jsonl").size() == 2);
+        CHECK(shop.lines("s/study.csv").size() == 3);
+        CHECK(shop.lines("s/study.jsonl").size() == 2);
+        CHECK(shop.lines("s/confusion.csv")[0] == "true class,left,\"middle, of all\",right");
         says(first.out, "svm-linear");
 
         // The page: tables between comments, pictures where there is gnuplot.
-        const std::string page = text_of(shop / "s/study.md");
+        const std::string page = shop.text("s/study.md");
         for (const std::string_view part : {"<!-- study front -->\n| method |", "<!-- study front ends -->\n",
                                             "| tactnet4 | 7 × 13 | default |", "| svm-linear | 7 × 13 |",
                                             "| `tactnet::tactnet4<tactnet::shape{7, 13}, 22>` |"})
@@ -59,10 +52,10 @@ TEST_SUITE("program") {
         if (fs::exists(shop / "s/accuracy_and_time.png"))
             says(page, "](accuracy_and_time.png)");
 
-        const auto before = text_of(shop / "s/study.csv");
+        const auto before = shop.text("s/study.csv");
         const outcome second = shop.succeeds(study("s"));
         says(second.error, "0 trainings to do, of 8 in all");
-        CHECK(text_of(shop / "s/study.csv") == before);
+        CHECK(shop.text("s/study.csv") == before);
     }
 
     TEST_CASE("study: networks in 8 bits have rows of their own, of the same trainings") {
@@ -71,14 +64,14 @@ TEST_SUITE("program") {
             "study --data DATA --methods tactnet4 --sizes 7x13 --recipes default --splits 2 --results s");
         const outcome first = shop.succeeds(both);
         says(first.error, "4 trainings to do, of 4 in all");
-        CHECK(lines_of(text_of(shop / "s/evaluation.jsonl")).size() == 8); // each in both
-        CHECK(lines_of(text_of(shop / "s/timings.jsonl")).size() == 2);
-        const std::vector<std::string> rows = lines_of(text_of(shop / "s/study.jsonl"));
+        CHECK(shop.lines("s/evaluation.jsonl").size() == 8); // each in both
+        CHECK(shop.lines("s/timings.jsonl").size() == 2);
+        const std::vector<std::string> rows = shop.lines("s/study.jsonl");
         REQUIRE(rows.size() == 2);
         CHECK(rows[0].find("\"bits\":32") != std::string::npos);
         CHECK(rows[1].find("\"bits\":8") != std::string::npos);
         CHECK(rows[1].find("\"random_splits\":2,") != std::string::npos);
-        const std::string tables = text_of(shop / "s/study.md");
+        const std::string tables = shop.text("s/study.md");
         says(tables, "| tactnet4 in 8 bits | 7 × 13 | default |");
 
         // It weighs less than a third, so a budget of bytes finds it.
@@ -88,47 +81,47 @@ TEST_SUITE("program") {
         // Single precision alone needs no more trainings.
         const outcome second = shop.succeeds(both + "--bits 32");
         says(second.error, "0 trainings to do, of 4 in all");
-        CHECK(lines_of(text_of(shop / "s/study.jsonl")).size() == 1);
+        CHECK(shop.lines("s/study.jsonl").size() == 1);
     }
 
     TEST_CASE("study: blocked splits alone, and fewer splits than were asked for, are shown as that") {
         const workshop shop;
         const outcome blocked = shop.succeeds(study("s --split blocked"));
-        says(text_of(shop / "s/study.md"), "more accurate, over blocked splits.");
+        says(shop.text("s/study.md"), "more accurate, over blocked splits.");
         words more = study("s --split blocked --report-only");
         *(std::find(more.begin(), more.end(), "--splits") + 1) = "5";
         const outcome fewer = shop.succeeds(more);
         says(fewer.out, " (2 of 5)");
         CHECK(fewer.error.starts_with("warning: 4 of 10 trainings are there, 2 of 2 methods are timed\n"));
-        says(text_of(shop / "s/study.md"), " (2 of 5) |");
+        says(shop.text("s/study.md"), " (2 of 5) |");
 
         // Of another kind of split nothing is there: rows without accuracies, or none.
         shop.succeeds(study("s --split random --report-only"));
-        CHECK(lines_of(text_of(shop / "s/study.csv")).size() == 3);
+        CHECK(shop.lines("s/study.csv").size() == 3);
         shop.succeeds(study("s --split random --report-only --only-trained"));
-        CHECK(text_of(shop / "s/study.csv").empty());
+        CHECK(shop.text("s/study.csv").empty());
     }
 
     TEST_CASE("study: trainings and times by other programs are reported as that, where there are none of "
               "its own") {
         const workshop shop;
         shop.succeeds(study("s"));
-        const std::string table = text_of(shop / "s/study.csv");
+        const std::string table = shop.text("s/study.csv");
         for (const char* file : {"s/evaluation.jsonl", "s/timings.jsonl"}) {
             std::string lines;
-            for (const std::string& line : lines_of(text_of(shop / file)))
+            for (const std::string& line : shop.lines(file))
                 lines += tactnet::with_checksum(with_member(with_member(plain_line(line), "library", "0.0.9"),
                                                             "instruction_set", "scalar_sse2")) +
                          '\n';
             tactnet::write_file(shop / file, lines);
         }
         const outcome report = shop.succeeds(study("s --report-only"));
-        CHECK(text_of(shop / "s/study.csv") == table);
+        CHECK(shop.text("s/study.csv") == table);
         const std::string whose = "8 of 8 trainings are by tactnet 0.0.9 for scalar_sse2";
         says(report.error, "warning: " + whose + ", not by this program\n");
         says(report.error, "warning: times are by another program: ");
-        says(text_of(shop / "s/study.md"), whose);
-        says(text_of(shop / "s/study.md"), "scalar_sse2; tactnet 0.0.9");
+        says(shop.text("s/study.md"), whose);
+        says(shop.text("s/study.md"), "scalar_sse2; tactnet 0.0.9");
         // A study that trains takes none of them.
         says(shop.succeeds(study("s")).error, "8 trainings to do, of 8 in all");
     }
@@ -140,7 +133,7 @@ TEST_SUITE("program") {
         says(left_out.error,
              "squeezenet-svm 7x13 is left out: it needs SqueezeNet 1.1 trained on photographs, "
              "--pretrained squeezenet=FILE");
-        CHECK(lines_of(text_of(shop / "t/study.csv")).size() == 2);
+        CHECK(shop.lines("t/study.csv").size() == 2);
         shop.refuses_each({
             {"study --data DATA --methods squeezenet-svm", "expected something to study, found nothing"},
             {study("s --pretrained resnet=x"),
@@ -166,7 +159,7 @@ TEST_SUITE("program") {
         shop.refuses("recommend --results nowhere", "nowhere/study.jsonl: expected");
 
         // Rows that are lost, at the end and before it.
-        const std::string whole = text_of(shop / "s/study.jsonl");
+        const std::string whole = shop.text("s/study.jsonl");
         const std::size_t first = whole.find('\n') + 1;
         tactnet::write_file(shop / "s/study.jsonl", whole.substr(0, first));
         shop.refuses(recommend(""), "s/study.jsonl: line 2: expected 2 rows of tactnet study, found the end");
@@ -177,5 +170,21 @@ TEST_SUITE("program") {
                                     "that was line 2 of 2'");
         tactnet::write_file(shop / "s/study.jsonl", std::string("{\"method\": 3}\n"));
         shop.refuses(recommend(""), "s/study.jsonl: line 1: expected a row of tactnet study, found '");
+    }
+
+    TEST_CASE("list: every method that was compiled in, with what it costs") {
+        const workshop shop;
+        const outcome all = shop.succeeds("list");
+        // TactNet-4 for 22 classes: 6128 parameters of convolutions and batch norms, 64 x 22 + 22 of the last
+        // layer. A linear machine: 7 x 13 weights and an offset for each class.
+        says(all.out, "\ntactnet4 ");
+        says(all.out, " 7 558 ");
+        says(all.out, "\nsvm-linear ");
+        says(all.out, " 2 024 ");
+        for (const char* name : {"\nsvm-rbf ", "\nsurf-svm "})
+            says(all.out, name);
+        says(shop.succeeds("list --classes 3").out, " 6 323 ");
+        says(shop.succeeds("list --help").out, "2 to 22");
+        shop.refuses("list --classes 23", "--classes: expected a whole number from 2 to 22, found '23'");
     }
 }

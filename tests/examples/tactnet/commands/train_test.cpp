@@ -1,13 +1,10 @@
-// tactnet train.
+// tactnet train, also stopped and resumed.
 
 #include "../workshop.hpp"
 
-#include <doctest/doctest.h>
 #include <fmt/format.h>
 
 #include <cmath>
-#include <string>
-#include <vector>
 
 using namespace support;
 
@@ -23,9 +20,8 @@ TEST_SUITE("program") {
         for (const std::string name : {"net.learning.png", "net.confusion.png"})
             CHECK(fs::exists(shop / "out" / name) !=
                   (trained.error.find(name + " is not drawn") != std::string::npos));
-        CHECK(lines_of(text_of(shop / "out/net.learning.csv")).size() == 16);
-        CHECK(lines_of(text_of(shop / "out/net.confusion.csv"))[0] ==
-              "true class,left,\"middle, of all\",right");
+        CHECK(shop.lines("out/net.learning.csv").size() == 16);
+        CHECK(shop.lines("out/net.confusion.csv")[0] == "true class,left,\"middle, of all\",right");
         CHECK_FALSE(fs::exists(shop / "out/net.safetensors.checkpoint"));
 
         // A network of three classes, however many the program was compiled for.
@@ -79,8 +75,8 @@ TEST_SUITE("program") {
         shop.trains("--epochs 4 --output a");
         shop.trains("--epochs 4 --output b --threads 3");
         shop.trains("--epochs 4 --output c --seed 6");
-        CHECK(text_of(shop / "a") == text_of(shop / "b"));
-        CHECK(text_of(shop / "a") != text_of(shop / "c"));
+        CHECK(shop.text("a") == shop.text("b"));
+        CHECK(shop.text("a") != shop.text("c"));
         for (const char* recipe : {"published", "thorough", "default"})
             for (const char* augmentation : {"none", "each-epoch", "sixfold"})
                 shop.trains({"--epochs", "2", "--output", "d", "--recipe", recipe, "--augmentation",
@@ -182,7 +178,7 @@ TEST_SUITE("program") {
         CHECK(trained("taken", {"--resize"}).starts_with("28x50 "));
         CHECK(trained("published", "--resize --recipe published").empty());
         CHECK(trained("alike", "--resize --augmentation none").empty());
-        CHECK(text_of(shop / "taken") != text_of(shop / "alike"));
+        CHECK(shop.text("taken") != shop.text("alike"));
 
         // Where not all have one size, nothing is known of how they were taken.
         write_png(large / "a" / "small.png", 7, 13, std::vector<std::uint8_t>(7 * 13, 90));
@@ -211,5 +207,68 @@ TEST_SUITE("program") {
         // The default method is one that was compiled in.
         const bool has_tactnet6 = shop.run("list").out.find("\ntactnet6 ") != std::string::npos;
         says(shop.succeeds("train --help").out, has_tactnet6 ? "=tactnet6 " : "=tactnet4 ");
+    }
+
+    TEST_CASE("resume: stopped by Ctrl-C and resumed, the same bits as in one go") {
+        const workshop shop;
+        constexpr const char* epochs = "1500";
+        const pid_t child = shop.start(shop.train_arguments({"--epochs", epochs, "--output", "net"}));
+        shop.wait_for_first_epoch(child);
+        const outcome stopped = shop.stop(child, SIGINT);
+        REQUIRE_MESSAGE(stopped.status == 130, stopped.error);
+        says(stopped.error, "--resume goes on from net.checkpoint");
+        CHECK(fs::exists(shop / "net.checkpoint"));
+        CHECK_FALSE(fs::exists(shop / "net"));
+
+        const auto kept = shop.text("net.checkpoint");
+        shop.refuses(shop.train_arguments({"--epochs", epochs, "--output", "net", "--resume", "--seed", "6"}),
+                     "net.checkpoint: setting 'seed' of the stopped training: expected ");
+
+        // It is given up only when asked, by whatever settings it is found.
+        for (const char* other_epochs : {epochs, "2"})
+            shop.refuses(shop.train_arguments({"--epochs", other_epochs, "--output", "net"}),
+                         "net.checkpoint: expected no checkpoint here, found one of an unfinished training; "
+                         "--resume goes on from it, --afresh gives it up, --checkpoint takes another name");
+        shop.refuses(shop.train_arguments("--output net --resume --afresh"), "--afresh");
+        CHECK(shop.text("net.checkpoint") == kept);
+        shop.trains("--epochs 2 --output net --checkpoint other");
+        fs::remove(shop / "net");
+        CHECK(shop.text("net.checkpoint") == kept);
+        shop.trains("--epochs 2 --output net --afresh");
+        CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
+        fs::remove(shop / "net");
+
+        // More epochs than the recipe has.
+        tactnet::write_file(shop / "net.checkpoint", kept);
+        rewrite<double>(shop / "net.checkpoint", shop / "long.checkpoint", "progress",
+                        [](std::vector<double>& v) { v.resize(6 + 4 * 1501); });
+        shop.refuses(shop.train_arguments({"--epochs", epochs, "--output", "net", "--resume", "--checkpoint",
+                                           "long.checkpoint"}),
+                     "long.checkpoint: tensor 'progress': expected the numbers of this training, found");
+        shop.trains({"--epochs", epochs, "--output", "net", "--resume"});
+        CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
+        shop.trains({"--epochs", epochs, "--output", "whole"});
+        CHECK(shop.text("net") == shop.text("whole"));
+    }
+
+    TEST_CASE("resume: what started from a weight file goes on from that one only") {
+        const workshop shop;
+        shop.trains("--epochs 1 --output first");
+        shop.trains("--epochs 1 --seed 6 --output other");
+        const auto arguments = [&](const char* output, const char* start) {
+            return shop.train_arguments({"--epochs", "1500", "--output", output, "--start", start});
+        };
+        const pid_t child = shop.start(arguments("net", "first"));
+        shop.wait_for_first_epoch(child);
+        REQUIRE(shop.stop(child, SIGINT).status == 130);
+        const auto resumed = [](std::vector<std::string> all) {
+            all.emplace_back("--resume");
+            return all;
+        };
+        shop.refuses(resumed(arguments("net", "other")), "setting 'start' of the stopped training");
+        shop.refuses(resumed(shop.train_arguments("--epochs 1500 --output net")), "of the stopped training");
+        shop.succeeds(resumed(arguments("net", "first")));
+        shop.succeeds(arguments("whole", "first"));
+        CHECK(shop.text("net") == shop.text("whole"));
     }
 }

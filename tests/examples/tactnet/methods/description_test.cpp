@@ -35,44 +35,34 @@ std::vector<recipe> variations() {
     std::vector<recipe> all;
     const auto vary = [&](auto change) { change(all.emplace_back()); };
     vary([](recipe& r) { r.name = "other"; });
-    vary([](recipe& r) { ++r.epochs; });
-    vary([](recipe& r) { ++r.batch; });
-    vary([](recipe& r) { r.rate *= 2; });
-    vary([](recipe& r) { r.optimiser = tactnet::adamw{.beta1 = 0.8}; });
-    vary([](recipe& r) { r.optimiser = tactnet::adamw{.beta2 = 0.8}; });
-    vary([](recipe& r) { r.optimiser = tactnet::adamw{.decay = 0.8}; });
-    vary([](recipe& r) { r.optimiser = tactnet::adamw{.epsilon = 0.8}; });
-    vary([](recipe& r) { r.optimiser = tactnet::sgd{}; });
-    vary([](recipe& r) { r.optimiser = tactnet::sgd{.momentum = 0.8}; });
-    vary([](recipe& r) { r.optimiser = tactnet::sgd{.l2 = 0.8}; });
-    vary([](recipe& r) { r.optimiser = tactnet::sgd{.l2_of_norms = true}; });
-    vary([](recipe& r) { r.schedule = tactnet::constant_rate{}; });
-    vary([](recipe& r) { r.schedule = tactnet::step_drop{}; });
-    vary([](recipe& r) { r.schedule = tactnet::step_drop{.period = 8}; });
-    vary([](recipe& r) { r.schedule = tactnet::step_drop{.factor = 0.8}; });
-    vary([](recipe& r) { r.schedule = tactnet::one_cycle{.warm_up = 0.8}; });
-    vary([](recipe& r) { r.initialisation = tactnet::fixed_normal{}; });
-    vary([](recipe& r) { r.initialisation = tactnet::fixed_normal{.deviation = 0.8}; });
-    vary([](recipe& r) { r.input = tactnet::input_rule::scale; });
-    vary([](recipe& r) { r.input = tactnet::input_rule::counts; });
-    vary([](recipe& r) { r.augmentation = tactnet::augmentation_rule::none; });
-    vary([](recipe& r) { r.augmentation = tactnet::augmentation_rule::sixfold; });
-    vary([](recipe& r) { r.ranges.reflect_rows = 0.8; });
-    vary([](recipe& r) { r.ranges.reflect_columns = 0.8; });
-    vary([](recipe& r) { r.ranges.translation = 0.8; });
-    vary([](recipe& r) { r.ranges.rotation = 0.8; });
-    vary([](recipe& r) { r.ranges.scale = 0.8; });
-    vary([](recipe& r) { r.ranges.pressure = 0.8; });
-    vary([](recipe& r) { r.ranges.shear = 0.8; });
-    vary([](recipe& r) { r.ranges.shear = -0.8; });
-    vary([](recipe& r) { r.label_smoothing = 0.8; });
-    vary([](recipe& r) { r.sharpness_radius = 0.8; });
-    vary([](recipe& r) { r.keeps_last = true; });
-    vary([](recipe& r) { r.averaging = 0.8; });
-    vary([](recipe& r) { r.epsilon = 0.8; });
-    vary([](recipe& r) { r.remeasure_statistics = true; });
-    vary([](recipe& r) { ++r.validate_every; });
-    vary([](recipe& r) { ++r.patience; });
+    using tactnet::adamw, tactnet::augmentation_ranges, tactnet::one_cycle, tactnet::sgd, tactnet::step_drop;
+    for (const auto field : {&recipe::epochs, &recipe::batch, &recipe::validate_every, &recipe::patience})
+        vary([=](recipe& r) { ++(r.*field); });
+    for (const auto field : {&recipe::rate, &recipe::pretrained_rate, &recipe::label_smoothing,
+                             &recipe::sharpness_radius, &recipe::averaging, &recipe::epsilon})
+        vary([=](recipe& r) { r.*field += 0.8; });
+    for (const auto field : {&recipe::remeasure_statistics, &recipe::keeps_last})
+        vary([=](recipe& r) { r.*field = !(r.*field); });
+    for (const auto field :
+         {&augmentation_ranges::reflect_rows, &augmentation_ranges::reflect_columns,
+          &augmentation_ranges::translation, &augmentation_ranges::rotation, &augmentation_ranges::scale,
+          &augmentation_ranges::pressure, &augmentation_ranges::shear, &augmentation_ranges::erase})
+        for (const double value : {0.8, -0.8})
+            vary([=](recipe& r) { r.ranges.*field = value; });
+    for (const decltype(recipe::optimiser)& rule : std::initializer_list<decltype(recipe::optimiser)>{
+             adamw{.beta1 = 0.8}, adamw{.beta2 = 0.8}, adamw{.decay = 0.8}, adamw{.epsilon = 0.8}, sgd{},
+             sgd{.momentum = 0.8}, sgd{.l2 = 0.8}, sgd{.l2_of_norms = true}})
+        vary([&](recipe& r) { r.optimiser = rule; });
+    for (const decltype(recipe::schedule)& rule : std::initializer_list<decltype(recipe::schedule)>{
+             tactnet::constant_rate{}, step_drop{}, step_drop{.period = 8}, step_drop{.factor = 0.8},
+             one_cycle{.warm_up = 0.8}})
+        vary([&](recipe& r) { r.schedule = rule; });
+    for (const auto rule : {tactnet::fixed_normal{}, tactnet::fixed_normal{.deviation = 0.8}})
+        vary([&](recipe& r) { r.initialisation = rule; });
+    for (const auto rule : {tactnet::input_rule::scale, tactnet::input_rule::counts})
+        vary([&](recipe& r) { r.input = rule; });
+    for (const auto rule : {tactnet::augmentation_rule::none, tactnet::augmentation_rule::sixfold})
+        vary([&](recipe& r) { r.augmentation = rule; });
     return all;
 }
 

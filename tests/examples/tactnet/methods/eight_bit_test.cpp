@@ -2,11 +2,7 @@
 
 #include "../workshop.hpp"
 
-#include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
-
-#include <string>
-#include <vector>
 
 using namespace support;
 
@@ -44,12 +40,12 @@ TEST_SUITE("program") {
         const outcome named = shop.succeeds({"classify", "--weights", "out/net.safetensors", image});
         CHECK(named.out.starts_with("\"" + image + "\",1,\"middle, of all\",0."));
         const outcome header = shop.succeeds("export --weights out/net.safetensors --output net.hpp");
-        says(text_of(shop / "net.hpp"), "tactnet::eight_bit_between<std::int16_t, std::uint8_t>");
+        says(shop.text("net.hpp"), "tactnet::eight_bit_between<std::int16_t, std::uint8_t>");
 
         // The same seed, the same bits; a file that is left half does not pass.
         shop.trains("--epochs 15 --output again.safetensors --bits 8");
-        CHECK((text_of(shop / "again.safetensors") == text_of(shop / "out/net.safetensors")));
-        const std::string text = text_of(shop / "again.safetensors");
+        CHECK((shop.text("again.safetensors") == shop.text("out/net.safetensors")));
+        const std::string text = shop.text("again.safetensors");
         tactnet::write_file(shop / "cut", std::string_view(text).substr(0, text.size() - 100));
         shop.refuses({"classify", "--weights", "cut", image}, "cut: ");
 
@@ -109,25 +105,24 @@ TEST_SUITE("program") {
 
         shop.succeeds("export --weights float.safetensors --bits 8 --data DATA --output a.hpp");
         shop.succeeds("export --weights bytes.safetensors --output b.hpp");
-        CHECK((text_of(shop / "a.hpp") == text_of(shop / "b.hpp"))); // a failure does not print the texts
+        CHECK((shop.text("a.hpp") == shop.text("b.hpp"))); // a failure does not print the texts
         shop.succeeds("export --weights float.safetensors --bits 8 --data DATA --images all --output c.hpp");
 
         const std::string of_floats = "export --weights float.safetensors ";
         shop.refuses_each({
-            {(of_floats + "--bits 8 --output x.hpp").c_str(),
+            {of_floats + "--bits 8 --output x.hpp",
              "--bits: expected --data with the images of the training"},
-            {(of_floats + "--data DATA --output x.hpp").c_str(),
-             "--data: expected --bits 8, for which images"},
-            {(of_floats + "--output x.safetensors").c_str(),
+            {of_floats + "--data DATA --output x.hpp", "--data: expected --bits 8, for which images"},
+            {of_floats + "--output x.safetensors",
              "--output: expected --bits 8, with which a weight file becomes another"},
             {"export --weights bytes.safetensors --bits 8 --data DATA --output x.hpp",
              "bytes.safetensors: metadata 'bits': expected weights in single precision"},
-            {(of_floats + "--bits 8 --data DATA --classes DATA --output x.safetensors").c_str(),
+            {of_floats + "--bits 8 --data DATA --classes DATA --output x.safetensors",
              "--classes: expected a header to write, found a weight file"},
         });
         // Images of another training.
         fs::remove(shop.data() / "left" / "image2.png");
-        shop.refuses((of_floats + "--bits 8 --data DATA --output x.hpp").c_str(),
+        shop.refuses(of_floats + "--bits 8 --data DATA --output x.hpp",
                      "expected the images that float.safetensors was trained on");
     }
 
@@ -135,20 +130,20 @@ TEST_SUITE("program") {
         const workshop shop;
         const auto evaluate = [&](const words& more) { return shop.run(evaluate_arguments(more)); };
         REQUIRE(evaluate("--method tactnet4").status == 0);
-        CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 1);
-        CHECK(lines_of(text_of(shop / "r/table.csv")).size() == 2);
+        CHECK(shop.lines("r/evaluation.jsonl").size() == 1);
+        CHECK(shop.lines("r/table.csv").size() == 2);
 
         const outcome first = evaluate("--method tactnet4 --bits 8");
         REQUIRE_MESSAGE(first.status == 0, first.error);
         says(first.error, "1 trainings to do, of 1 in all");
-        const auto lines = lines_of(text_of(shop / "r/evaluation.jsonl"));
+        const auto lines = shop.lines("r/evaluation.jsonl");
         REQUIRE(lines.size() == 2); // that in single precision was there
         auto floats = nlohmann::json::parse(lines[0]), bytes = nlohmann::json::parse(lines[1]);
         CHECK(!floats["settings"].contains("bits"));
         CHECK(bytes["settings"]["bits"] == "8");
         bytes["settings"].erase("bits");
         CHECK(bytes["settings"] == floats["settings"]);
-        const auto table = lines_of(text_of(shop / "r/table.csv"));
+        const auto table = shop.lines("r/table.csv");
         REQUIRE(table.size() == 3);
         CHECK(table[0].starts_with("method,rows,columns,recipe,bits,"));
         CHECK(table[1].starts_with("tactnet4,7,13,default,32,1,1,"));
@@ -163,14 +158,14 @@ TEST_SUITE("program") {
         const outcome third = evaluate("--method tactnet4");
         CHECK(third.status == 0);
         says(third.error, "0 trainings to do, of 1 in all");
-        CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 2);
+        CHECK(shop.lines("r/evaluation.jsonl").size() == 2);
 
         // A training that was not done yet adds both lines.
         REQUIRE(evaluate("--method tactnet4 --bits 8 --seed 3").status == 0);
-        CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 4);
+        CHECK(shop.lines("r/evaluation.jsonl").size() == 4);
         // Results in 8 bits alone have nothing to compare with: the training is done once more.
         tactnet::write_file(shop / "r/evaluation.jsonl", lines[1] + "\n");
         says(evaluate("--method tactnet4 --bits 8").error, "1 trainings to do, of 1 in all");
-        CHECK(lines_of(text_of(shop / "r/evaluation.jsonl")).size() == 2);
+        CHECK(shop.lines("r/evaluation.jsonl").size() == 2);
     }
 }

@@ -6,20 +6,12 @@
 #include "../workshop.hpp"
 
 #include <tactnet/io/safetensors/source.hpp>
-#include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/networks/network.hpp>
-#include <tactnet/runtime/random.hpp>
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <span>
-#include <string>
-#include <vector>
 
 namespace support {
 

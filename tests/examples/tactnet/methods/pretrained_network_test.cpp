@@ -6,14 +6,8 @@
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/networks.hpp>
 
-#include <doctest/doctest.h>
-
 #include <cmath>
-#include <csignal>
 #include <cstddef>
-#include <string>
-#include <string_view>
-#include <vector>
 
 using namespace support;
 using tactnet::element_type;
@@ -78,9 +72,9 @@ TEST_SUITE("program") {
         fs::remove(shop / "pretrained");
         const outcome found = shop.succeeds("classify --weights net --resize IMAGE");
         const outcome tested = shop.succeeds("evaluate --weights net --resize --data DATA --results r");
-        CHECK(text_of(shop / "r/confusion_net.csv") == text_of(shop / "net.confusion.csv"));
+        CHECK(shop.text("r/confusion_net.csv") == shop.text("net.confusion.csv"));
         const outcome exported = shop.succeeds("export --weights net --output net.hpp");
-        const std::string header = text_of(shop / "net.hpp");
+        const std::string header = shop.text("net.hpp");
         says(header, "#include <tactnet/transfer/as_photograph_step.hpp>");
         says(header, "passes_selftest(recogniser_type::workspace& memory)");
     }
@@ -101,7 +95,7 @@ TEST_SUITE("program") {
         shop.stop(child, SIGKILL);
         REQUIRE_FALSE(fs::exists(shop / "net"));
         const outcome again = shop.succeeds(run("net", {"--resume"}));
-        CHECK(text_of(shop / "net") == text_of(shop / "whole"));
+        CHECK(shop.text("net") == shop.text("whole"));
     }
 
     TEST_CASE("pretrained_network: what it cannot begin with") {

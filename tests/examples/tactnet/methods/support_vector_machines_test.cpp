@@ -2,15 +2,11 @@
 
 #include "../workshop.hpp"
 
-#include <doctest/doctest.h>
-
 #include <array>
 #include <limits>
 #include <memory>
 #include <methods/support_vector_machines/machine.hpp>
 #include <span>
-#include <string>
-#include <vector>
 
 using namespace support;
 
@@ -29,7 +25,7 @@ support_vector_machine machine_of(tactnet::multiclass scheme, const std::vector<
     }
     parts.coefficients.resize(labels.size() * parts.coefficients_each());
     parts.offsets.resize(tactnet::machine_count(labels.size(), scheme));
-    return rbf_machine(parts);
+    return tactnet::kernel_machine<tactnet::rbf_kernel>(parts);
 }
 
 } // namespace
@@ -67,7 +63,7 @@ TEST_SUITE("program") {
             const outcome trained =
                 shop.succeeds(shop.train_arguments({"--method", name, "--output", weights}));
             says(trained.out, "test accuracy");
-            CHECK_FALSE(fs::exists(shop / ("out/" + name + ".learning.csv").c_str()));
+            CHECK_FALSE(fs::exists(shop / ("out/" + name + ".learning.csv")));
             const auto file = tactnet::safetensors::read(shop / weights.c_str());
             CHECK(file.metadata().at("network") == name);
             CHECK(file.metadata().at("classes") == "[\"left\",\"middle, of all\",\"right\"]");
@@ -80,7 +76,7 @@ TEST_SUITE("program") {
             // Any number of threads, and the other name of the option.
             shop.succeeds({"train", "--data", shop.data().string(), "--method", name, "--rows", "7",
                            "--columns", "13", "--seed", "5", "--threads", "3", "--output", "again"});
-            CHECK(text_of(shop / "again") == text_of(shop / weights.c_str()));
+            CHECK(shop.text("again") == shop.text(weights));
 
             // The split's test images give the same matrix again.
             const auto evaluate = [&](const char* images) {
@@ -88,9 +84,9 @@ TEST_SUITE("program") {
                     shop.succeeds({"evaluate", "--weights", weights, "--data", shop.data().string(),
                                    "--images", images, "--results", "r"});
                 CHECK(tested.out.find(name + "  7x13") == tested.out.rfind(name));
-                return text_of(shop / ("r/confusion_" + name + ".csv").c_str());
+                return shop.text(("r/confusion_" + name + ".csv"));
             };
-            CHECK(evaluate("test") == text_of(shop / ("out/" + name + ".confusion.csv").c_str()));
+            CHECK(evaluate("test") == shop.text(("out/" + name + ".confusion.csv")));
 
             // All images one by one are what the matrix of all says.
             words arguments{"classify", "--weights", weights};
@@ -153,7 +149,7 @@ TEST_SUITE("program") {
                          std::string(weights) + ": " + sentence);
         };
         for (const char* name : {"svm-linear", "svm-rbf", "surf-svm"}) {
-            const auto whole = text_of(shop / name);
+            const auto whole = shop.text(name);
             for (const std::size_t length : {std::size_t{5}, whole.size() / 2, whole.size() - 1}) {
                 tactnet::write_file(shop / "cut", std::string_view(whole).substr(0, length));
                 refuses("cut", "");

@@ -6,16 +6,10 @@
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/networks.hpp>
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
-#include <csignal>
 #include <files/claims.hpp>
 #include <iterator>
 #include <limits>
-#include <string>
 #include <support/files/data_folder.hpp>
-#include <vector>
 
 using namespace support;
 using tactnet::element_type;
@@ -53,7 +47,7 @@ void check_from_end_to_end(const std::string& method, element_type type) {
     fs::remove(shop / "pretrained");
     CHECK(lines_of(shop.succeeds("classify --weights net IMAGE IMAGE").out).size() == 2);
     const outcome tested = shop.succeeds("evaluate --weights net --data DATA --results r");
-    CHECK(text_of(shop / "r/confusion_net.csv") == text_of(shop / "net.confusion.csv"));
+    CHECK(shop.text("r/confusion_net.csv") == shop.text("net.confusion.csv"));
 }
 
 std::string only_file_in(const fs::path& folder) {
@@ -108,7 +102,7 @@ TEST_SUITE("program") {
         CHECK(refused.status == 2);
         says(refused.error, "net.checkpoint: setting 'data' of the stopped training: expected '");
         shop.succeeds(arguments("net", {"--resume"}));
-        CHECK(text_of(shop / "net") == text_of(shop / "whole"));
+        CHECK(shop.text("net") == shop.text("whole"));
         CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
         CHECK(fs::exists(shop / "net.learning.csv"));
     }
@@ -131,7 +125,7 @@ TEST_SUITE("program") {
         };
         const auto results = [&] { // a line each, in the order of their ends, with times in them
             std::vector<std::string> lines;
-            for (const std::string& line : lines_of(text_of(shop / "results/evaluation.jsonl")))
+            for (const std::string& line : shop.lines("results/evaluation.jsonl"))
                 lines.push_back(line.substr(0, line.find(",\"seconds\"")) +
                                 line.substr(line.find(",\"classes\""), line.find(']') - line.find(",\"cla")));
             std::sort(lines.begin(), lines.end());
@@ -239,19 +233,13 @@ TEST_SUITE("program") {
                 [](std::vector<float>& v) { v[3] = std::numeric_limits<float>::infinity(); });
         rewrite(shop / "svm", shop / "moved", "trunk.features.12.squeeze.weight", double_all);
         rewrite(shop / "nn", shop / "moved_head", "trunk.features.12.squeeze.weight", double_all);
-        std::string bytes = text_of(shop / "svm");
+        std::string bytes = shop.text("svm");
         tactnet::write_file(shop / "cut", std::string_view(bytes).substr(0, bytes.size() - 100));
         bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
         tactnet::write_file(shop / "flipped", bytes);
-        {
-            const auto file = tactnet::safetensors::read(shop / "svm");
-            tactnet::safetensors_writer writer;
-            writer.metadata = file.metadata();
-            for (const auto& [name, entry] : file.tensors())
-                if (!name.starts_with("trunk."))
-                    writer.add(name, entry.type, entry.extents, file.bytes(name));
-            writer.write(shop / "without");
-        }
+        copy_of(tactnet::safetensors::read(shop / "svm"), [](const std::string& name) {
+            return name.starts_with("trunk.");
+        }).write(shop / "without");
         shop.refuses_each({
             {"classify IMAGE --weights nan",
              "nan: tensor 'trunk.features.0.bias', element 3: expected a finite number, found inf"},

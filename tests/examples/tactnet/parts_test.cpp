@@ -1,16 +1,36 @@
-// Numbers on the command line and in the metadata of weight files.
+// Numbers on the command line and in the metadata of weight files; waiting for other programs and for a
+// clock.
 
 #include "workshop.hpp"
 
-#include <doctest/doctest.h>
-
-#include <cstdint>
+#include <console.hpp>
+#include <cstdlib>
+#include <interrupt.hpp>
 #include <limits>
 #include <number_options.hpp>
-#include <string>
-#include <vector>
+#include <stopwatch.hpp>
 
 using namespace support;
+
+namespace {
+
+/// Of work in a process of its own, for an interruption stays with a process: the exit status is its result.
+outcome of_process(const std::function<int()>& work) {
+    const support::temporary_folder folder;
+    const std::string error = (folder / "error").string();
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        const int file = ::open(error.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+        ::dup2(file, STDERR_FILENO);
+        ::_exit(work());
+    }
+    int status = 0;
+    REQUIRE(waitpid(child, &status, 0) == child);
+    return {status_of(status), "", text_of(error)};
+}
+
+} // namespace
 
 TEST_SUITE("program") {
     TEST_CASE("number_options: what counts as a number") {
@@ -63,23 +83,22 @@ TEST_SUITE("program") {
         for (const std::string size :
              {"7x", "x13", "-7x13", " 7x13", "7x13x1", "18446744073709551623x13", "7 x 13"})
             shop.refuses(evaluate + words{"--sizes", size},
-                         "--sizes: expected sizes such as 28x50, found '" + size + "'");
+                         "--rows, --columns, --sizes: expected a size that tactnet");
     }
 
     TEST_CASE("evaluate: seeds that run over, and tests without images, are refused; the last seed is not") {
         const workshop shop;
-        const auto arguments = [&](words more) {
-            more = words("evaluate --data DATA --rows 7 --columns 13 --method svm-linear --results r --split "
-                         "random") +
+        const auto arguments = [](const char* more) {
+            return words("evaluate --data DATA --rows 7 --columns 13 --method svm-linear --results r "
+                         "--split random") +
                    more;
-            return more;
         };
         shop.refuses(arguments("--seed 18446744073709551615 --splits 3"),
                      "--seed, --splits: expected seeds below 2^64 for all splits, found 3 of them from "
                      "18446744073709551615 on");
         const outcome last = shop.succeeds(arguments("--seed 18446744073709551615 --splits 1"));
         says_not(last.out, "nan");
-        says(text_of(shop / "r/evaluation.jsonl"), "\"seed\":\"18446744073709551615\"");
+        says(shop.text("r/evaluation.jsonl"), "\"seed\":\"18446744073709551615\"");
 
         // Two images a class, of which a small share is none.
         for (const char* name : {"left", "middle, of all", "right"})
@@ -102,5 +121,72 @@ TEST_SUITE("program") {
             rewrite_metadata(shop / "net", shop / "says", key, value);
             shop.refuses("evaluate --weights says --data DATA", sentence);
         }
+    }
+
+    TEST_CASE("wait_until: asks until it is ready or interrupted, and says once why it waits") {
+        struct {
+            int ready_at, interrupted_at; ///< by the number of the question
+            bool ready;
+            int asked;
+            const char* said;
+        } const cases[]{
+            {1, 9, true, 1, ""}, // what is ready is not waited for
+            {4, 9, true, 4, "waiting for {another} program\n"},
+            {6, 2, false, 2, "waiting for {another} program\n"},
+            {1, 0, true, 1, ""}, // what is ready is taken, also after an interruption
+        };
+        for (const auto& c : cases) {
+            CAPTURE(c.ready_at);
+            CAPTURE(c.interrupted_at);
+            const outcome found = of_process([&] {
+                int asked = 0;
+                catch_interrupts();
+                const auto interrupt = [&] {
+                    if (asked == c.interrupted_at)
+                        static_cast<void>(std::raise(SIGTERM));
+                };
+                interrupt();
+                const bool ready = wait_until(
+                    [&] {
+                        ++asked;
+                        interrupt();
+                        return asked >= c.ready_at;
+                    },
+                    "waiting for {another} program");
+                return ready ? asked : 100 + asked;
+            });
+            CHECK(found.status == (c.ready ? c.asked : 100 + c.asked));
+            CHECK(found.error == c.said);
+        }
+    }
+
+    TEST_CASE("progress: a line of a terminal ends, so that what follows begins a new one") {
+        const int terminal = posix_openpt(O_RDWR | O_NOCTTY);
+        REQUIRE(terminal >= 0);
+        REQUIRE(grantpt(terminal) == 0);
+        REQUIRE(unlockpt(terminal) == 0);
+        const int standard_error = ::dup(STDERR_FILENO),
+                  user_side = ::open(ptsname(terminal), O_RDWR | O_NOCTTY);
+        REQUIRE(user_side >= 0);
+        ::dup2(user_side, STDERR_FILENO);
+        {
+            progress line;
+            line.show("1 of 2");
+            line.show("2 of 2", true);
+            line.end_line(); // of no line
+        }
+        ::dup2(standard_error, STDERR_FILENO);
+        std::string shown; // which may come in pieces
+        for (char byte = 0; byte != '\n' && ::read(terminal, &byte, 1) == 1;)
+            shown += byte;
+        CHECK(shown == "\r1 of 2\r2 of 2\r\n");
+        for (const int file : {standard_error, user_side, terminal})
+            ::close(file);
+    }
+
+    TEST_CASE("median_microseconds: work that takes no time has a time all the same") {
+        const double found = median_microseconds([] {});
+        CHECK(found >= 0);
+        CHECK(found < 1);
     }
 }
