@@ -12,7 +12,7 @@
 #include <tactnet/svm/feature_rows.hpp>
 
 #include <cmath>
-#include <interrupt.hpp>
+#include <limits>
 #include <set>
 #include <thread>
 
@@ -63,7 +63,9 @@ candidate_list candidates_of(const evaluate_options& o) {
 
 /// Throws usage_error.
 void check(const evaluate_options& o, const split_plan& plan, const candidate_list& chosen) {
-    check_seeds(plan);
+    if (plan.splits - 1 > std::numeric_limits<std::uint64_t>::max() - plan.first_seed)
+        refuse("--seed, --splits: expected seeds below 2^64 for all splits, found {} of them from {} on",
+               plan.splits, plan.first_seed);
     if (o.training.shares.test <= 0)
         refuse("--test: expected a share above 0, since accuracy is measured on these images, found 0");
     std::set<std::filesystem::path> pictures; // a method may be named twice

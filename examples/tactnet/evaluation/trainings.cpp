@@ -249,13 +249,6 @@ std::vector<tactnet::split_rule> rules_of(const std::string& names) {
     return {split_rule_of(names)};
 }
 
-void check_seeds(const split_plan& plan) {
-    if (plan.splits - 1 > std::numeric_limits<std::uint64_t>::max() - plan.first_seed)
-        refuse("--seed, --splits: expected seeds below 2^64 for all splits, found {} "
-               "of them from {} on",
-               plan.splits, plan.first_seed);
-}
-
 void load_candidates(candidate_list& list, const std::filesystem::path& data) {
     std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const image_data>> loaded;
     for (candidate& c : list) {

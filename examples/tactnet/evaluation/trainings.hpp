@@ -42,9 +42,6 @@ void add_split_options(CLI::App& app, std::string& split, std::size_t& splits, s
 /// The rules of "random", "blocked" or "both".
 std::vector<tactnet::split_rule> rules_of(const std::string& names);
 
-/// Throws usage_error for seeds beyond 64 bits.
-void check_seeds(const split_plan& plan);
-
 using candidate_list = std::vector<candidate>;
 /// Loads images and weights to begin with. Throws usage_error and tactnet::file_error for all that can be
 /// wrong.

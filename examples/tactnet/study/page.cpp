@@ -69,11 +69,6 @@ const column type_column{"C++", [](const study_row& row) {
                              return type.empty() ? "" : '`' + type + '`';
                          }};
 
-bool has_accuracy(const study_row& row) {
-    return std::isfinite(number(row, split_rule::random, "accuracy")) ||
-           std::isfinite(number(row, split_rule::blocked, "accuracy"));
-}
-
 /// With a line for each row that is wanted.
 study_table table_of(study_table about, const std::vector<column>& columns,
                      const std::vector<const study_row*>& rows) {
@@ -224,8 +219,10 @@ study_table details_table(const std::vector<study_row>& rows) {
          by_rule("training, %", rule, "training_accuracy"), fixed("in batch, µs", "microseconds_in_batch", 1),
          fixed("jitter", "jitter", 2), count("multiply-adds on pixels", "multiply_adds_on_pixels"),
          type_column},
-        rows,
-        [](const study_row& row) { return has_accuracy(row) || std::isfinite(number(row, "microseconds")); });
+        rows, [](const study_row& row) {
+            return std::ranges::any_of(std::array{"random_accuracy", "blocked_accuracy", "microseconds"},
+                                       [&](const char* name) { return std::isfinite(number(row, name)); });
+        });
 }
 
 study_table probabilities_table(const std::vector<study_row>& rows) {

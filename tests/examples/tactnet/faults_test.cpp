@@ -181,7 +181,7 @@ TEST_SUITE("program") {
         shop.succeeds(arguments("--resume"));
         CHECK_FALSE(fs::exists(shop / "kept"));
         shop.trains("--epochs 1500 --output whole");
-        CHECK(shop.text("out" / "net") == shop.text("whole"));
+        CHECK(shop.text("out/net") == shop.text("whole"));
     }
 
     TEST_CASE("checkpoint: a closed terminal leaves one") {
@@ -196,8 +196,7 @@ TEST_SUITE("program") {
             kill(child, SIGHUP);
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
-        const outcome stopped = shop.wait(child);
-        CHECK(stopped.status == 130);
+        CHECK(shop.wait(child).status == 130);
         CHECK(fs::exists(shop / "net.checkpoint"));
     }
 
@@ -350,9 +349,9 @@ TEST_SUITE("program") {
         const pid_t children[] = {shop.start(arguments), shop.start(arguments), shop.start(arguments)};
         for (const pid_t child : children)
             CHECK(shop.wait(child).status == 0);
-        CHECK(shop.lines("r" / "evaluation.jsonl").size() == 12); // not 36
-        CHECK(shop.lines("r" / "timings.jsonl").size() == 1);
-        CHECK(shop.lines("r" / "study.csv").size() == 2);
+        CHECK(shop.lines("r/evaluation.jsonl").size() == 12); // not 36
+        CHECK(shop.lines("r/timings.jsonl").size() == 1);
+        CHECK(shop.lines("r/study.csv").size() == 2);
 
         // What a killed one had begun is done by another.
         fs::remove_all(shop / "r");
@@ -361,7 +360,7 @@ TEST_SUITE("program") {
         kill(killed, SIGKILL);
         CHECK(shop.wait(goes_on).status == 0);
         CHECK(shop.wait(killed).status == 1000 + SIGKILL);
-        CHECK(shop.lines("r" / "evaluation.jsonl").size() == 12);
+        CHECK(shop.lines("r/evaluation.jsonl").size() == 12);
         // The lock of the killed one is taken over by the next to do that training.
         fs::remove(shop / "r" / "evaluation.jsonl");
         shop.succeeds(arguments);

@@ -134,8 +134,7 @@ TEST_SUITE("program") {
             CAPTURE(script);
             fs::remove_all(shop / "bin");
             const own_gnuplot fake(shop.work() / "bin", script);
-            const outcome result =
-                shop.succeeds(shop.train_arguments("--method svm-linear --output out/it's"));
+            const outcome result = shop.trains("--method svm-linear --output out/it's");
             CHECK(fs::exists(picture) == problem.empty());
             if (problem.empty())
                 CHECK(text_of(picture) == shop.text("whole.png"));

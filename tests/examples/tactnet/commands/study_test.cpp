@@ -53,8 +53,7 @@ TEST_SUITE("program") {
             says(page, "](accuracy_and_time.png)");
 
         const auto before = shop.text("s/study.csv");
-        const outcome second = shop.succeeds(study("s"));
-        says(second.error, "0 trainings to do, of 8 in all");
+        says(shop.succeeds(study("s")).error, "0 trainings to do, of 8 in all");
         CHECK(shop.text("s/study.csv") == before);
     }
 
@@ -62,8 +61,7 @@ TEST_SUITE("program") {
         const workshop shop;
         const words both(
             "study --data DATA --methods tactnet4 --sizes 7x13 --recipes default --splits 2 --results s");
-        const outcome first = shop.succeeds(both);
-        says(first.error, "4 trainings to do, of 4 in all");
+        says(shop.succeeds(both).error, "4 trainings to do, of 4 in all");
         CHECK(shop.lines("s/evaluation.jsonl").size() == 8); // each in both
         CHECK(shop.lines("s/timings.jsonl").size() == 2);
         const std::vector<std::string> rows = shop.lines("s/study.jsonl");
@@ -75,12 +73,11 @@ TEST_SUITE("program") {
         says(tables, "| tactnet4 in 8 bits | 7 × 13 | default |");
 
         // It weighs less than a third, so a budget of bytes finds it.
-        const outcome small = shop.succeeds("recommend --results s --bytes 12000");
-        CHECK(small.out.starts_with("tactnet4 7x13 in 8 bits, default recipe: "));
+        CHECK(shop.succeeds("recommend --results s --bytes 12000")
+                  .out.starts_with("tactnet4 7x13 in 8 bits, default recipe: "));
 
         // Single precision alone needs no more trainings.
-        const outcome second = shop.succeeds(both + "--bits 32");
-        says(second.error, "0 trainings to do, of 4 in all");
+        says(shop.succeeds(both + "--bits 32").error, "0 trainings to do, of 4 in all");
         CHECK(shop.lines("s/study.jsonl").size() == 1);
     }
 
@@ -128,9 +125,9 @@ TEST_SUITE("program") {
 
     TEST_CASE("study: what it cannot take is said") {
         const workshop shop;
-        const outcome left_out = shop.succeeds(
-            "study --data DATA --methods svm-linear,squeezenet-svm --sizes 7x13 --splits 1 --results t");
-        says(left_out.error,
+        says(shop.succeeds("study --data DATA --methods svm-linear,squeezenet-svm --sizes 7x13 --splits 1 "
+                           "--results t")
+                 .error,
              "squeezenet-svm 7x13 is left out: it needs SqueezeNet 1.1 trained on photographs, "
              "--pretrained squeezenet=FILE");
         CHECK(shop.lines("t/study.csv").size() == 2);

@@ -11,8 +11,7 @@ using namespace support;
 TEST_SUITE("program") {
     TEST_CASE("train: the file is evaluated and classifies") {
         const workshop shop;
-        const outcome trained =
-            shop.succeeds(shop.train_arguments("--epochs 15 --output out/net.safetensors"));
+        const outcome trained = shop.trains("--epochs 15 --output out/net.safetensors");
         says(trained.out, "test accuracy");
         for (const char* name : {"net.safetensors", "net.learning.csv", "net.confusion.csv"})
             CHECK_MESSAGE(fs::exists(shop / "out" / name), name);
@@ -170,7 +169,7 @@ TEST_SUITE("program") {
             }
         const auto trained = [&](const char* name, words more) {
             more.insert(more.end(), {"--data", large.string(), "--epochs", "2", "--output", name});
-            const outcome result = shop.succeeds(shop.train_arguments(more));
+            shop.trains(more);
             const auto metadata = tactnet::safetensors::read(shop / name).metadata();
             const auto found = metadata.find("varied");
             return found == metadata.end() ? std::string() : found->second;

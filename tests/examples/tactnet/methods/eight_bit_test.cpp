@@ -20,8 +20,7 @@ std::vector<std::string> evaluate_arguments(const words& more) {
 TEST_SUITE("program") {
     TEST_CASE("train: with --bits 8 the file is evaluated, classifies and becomes a header") {
         const workshop shop;
-        const outcome trained =
-            shop.succeeds(shop.train_arguments("--epochs 15 --output out/net.safetensors --bits 8"));
+        const outcome trained = shop.trains("--epochs 15 --output out/net.safetensors --bits 8");
         says(trained.out, "in 8 bits, ");
         says(trained.out, "in single precision");
         const auto file = tactnet::safetensors::read(shop / "out/net.safetensors");
@@ -33,13 +32,12 @@ TEST_SUITE("program") {
         CHECK(std::stod(file.metadata().at("test_accuracy")) >
               0.5); // three bright bars: nearly all are right
 
-        const outcome tested = shop.succeeds("evaluate --weights out/net.safetensors --data DATA");
-        says(tested.out, "tactnet4  7x13");
+        says(shop.succeeds("evaluate --weights out/net.safetensors --data DATA").out, "tactnet4  7x13");
         shop.succeeds("evaluate --weights out/net.safetensors --data DATA --images all");
         const std::string image = (shop.data() / "middle, of all" / "image3.png").string();
-        const outcome named = shop.succeeds({"classify", "--weights", "out/net.safetensors", image});
-        CHECK(named.out.starts_with("\"" + image + "\",1,\"middle, of all\",0."));
-        const outcome header = shop.succeeds("export --weights out/net.safetensors --output net.hpp");
+        CHECK(shop.succeeds({"classify", "--weights", "out/net.safetensors", image})
+                  .out.starts_with("\"" + image + "\",1,\"middle, of all\",0."));
+        shop.succeeds("export --weights out/net.safetensors --output net.hpp");
         says(shop.text("net.hpp"), "tactnet::eight_bit_between<std::int16_t, std::uint8_t>");
 
         // The same seed, the same bits; a file that is left half does not pass.

@@ -43,7 +43,7 @@ TEST_SUITE("program") {
         if (!tuning.known())
             return;
         write_pretrained<squeezenet>(shop / "pretrained");
-        const outcome trained = shop.succeeds(
+        shop.succeeds(
             tuning.arguments("net", "--pretrained pretrained --epochs 2 --self-test 1 --rate 1e-4"));
         {
             const auto file = tactnet::safetensors_source::open(shop / "net");
@@ -64,16 +64,16 @@ TEST_SUITE("program") {
         CHECK(apart < 0.01 * size);
         CHECK(values_of(shop / "net", "photograph.running_mean")[0] == doctest::Approx(0.485));
 
-        const outcome many = shop.succeeds(
+        shop.succeeds(
             "evaluate --data DATA --method squeezenet-nn --pretrained pretrained --rows 28 --columns "
             "50 --resize --epochs 1 --test 0.3 --validation 0 --splits 1");
         CHECK_FALSE(fs::exists(shop / "results/features"));
 
         fs::remove(shop / "pretrained");
-        const outcome found = shop.succeeds("classify --weights net --resize IMAGE");
-        const outcome tested = shop.succeeds("evaluate --weights net --resize --data DATA --results r");
+        shop.succeeds("classify --weights net --resize IMAGE");
+        shop.succeeds("evaluate --weights net --resize --data DATA --results r");
         CHECK(shop.text("r/confusion_net.csv") == shop.text("net.confusion.csv"));
-        const outcome exported = shop.succeeds("export --weights net --output net.hpp");
+        shop.succeeds("export --weights net --output net.hpp");
         const std::string header = shop.text("net.hpp");
         says(header, "#include <tactnet/transfer/as_photograph_step.hpp>");
         says(header, "passes_selftest(recogniser_type::workspace& memory)");
@@ -94,7 +94,7 @@ TEST_SUITE("program") {
         shop.wait_for_file("net.checkpoint");
         shop.stop(child, SIGKILL);
         REQUIRE_FALSE(fs::exists(shop / "net"));
-        const outcome again = shop.succeeds(run("net", {"--resume"}));
+        shop.succeeds(run("net", {"--resume"}));
         CHECK(shop.text("net") == shop.text("whole"));
     }
 

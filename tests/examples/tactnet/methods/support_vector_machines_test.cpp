@@ -60,8 +60,7 @@ TEST_SUITE("program") {
         for (const std::string name : {"svm-linear", "svm-rbf", "surf-svm"}) {
             CAPTURE(name);
             const std::string weights = "out/" + name + ".safetensors";
-            const outcome trained =
-                shop.succeeds(shop.train_arguments({"--method", name, "--output", weights}));
+            const outcome trained = shop.trains({"--method", name, "--output", weights});
             says(trained.out, "test accuracy");
             CHECK_FALSE(fs::exists(shop / ("out/" + name + ".learning.csv")));
             const auto file = tactnet::safetensors::read(shop / weights.c_str());

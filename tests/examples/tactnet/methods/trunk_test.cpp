@@ -29,9 +29,8 @@ void check_from_end_to_end(const std::string& method, element_type type) {
     CAPTURE(method);
     keep_images(shop, 3);
     write_pretrained<Network>(shop / "pretrained", type);
-    const outcome trained =
-        shop.succeeds(training(shop, method, "net", "--validation 0 --test 0.3 --self-test 1"));
-    says(trained.error, "features of 9 of 9 images");
+    says(shop.succeeds(training(shop, method, "net", "--validation 0 --test 0.3 --self-test 1")).error,
+         "features of 9 of 9 images");
     {
         const auto file = tactnet::safetensors_source::open(shop / "net");
         CHECK(file.metadata().at("network") == method);
@@ -46,7 +45,7 @@ void check_from_end_to_end(const std::string& method, element_type type) {
     }
     fs::remove(shop / "pretrained");
     CHECK(lines_of(shop.succeeds("classify --weights net IMAGE IMAGE").out).size() == 2);
-    const outcome tested = shop.succeeds("evaluate --weights net --data DATA --results r");
+    shop.succeeds("evaluate --weights net --data DATA --results r");
     CHECK(shop.text("r/confusion_net.csv") == shop.text("net.confusion.csv"));
 }
 
@@ -282,9 +281,8 @@ TEST_SUITE("program") {
             MESSAGE("skipped: the program was built without squeezenet-svm at 28x50");
             return;
         }
-        const outcome trained =
-            shop.succeeds({"train", "--data", images->string(), "--method", "squeezenet-svm", "--weights",
-                           weights->string(), "--output", "net"});
+        shop.succeeds({"train", "--data", images->string(), "--method", "squeezenet-svm", "--weights",
+                       weights->string(), "--output", "net"});
         const auto file = tactnet::safetensors_source::open(shop / "net");
         // The paper has 85.82 ± 2.57 %: within four deviations of one split.
         const double accuracy = std::stod(file.metadata().at("test_accuracy"));
