@@ -1,5 +1,6 @@
-# Checks that tests/ mirrors include/, so that the test of a header is easy to find, and that each test case says
-# first what it tests.
+# Checks that tests/ mirrors include/, so that the test of a header is easy to find: under its own name, or, of several
+# headers of a folder, under the name of the folder: those of io/images/ in io/images_test.cpp, those of io/ itself in
+# io/io_test.cpp. And that each test case says first what it tests.
 #
 # cmake -DTESTS=<folder of tests> -DHEADERS=<folder that holds tactnet/> -P test_names.cmake
 cmake_minimum_required(VERSION 3.22)
@@ -16,8 +17,18 @@ set(problems "")
 foreach(test IN LISTS tests)
     string(REGEX REPLACE "_test\\.cpp$" "" header "${test}")
     # A header whose tests are many has several files, each with its topic after the header's name.
-    while(NOT EXISTS "${HEADERS}/tactnet/${header}.hpp" AND header MATCHES "_[^_/]*$")
-        string(REGEX REPLACE "_[^_/]*$" "" header "${header}")
+    string(REGEX REPLACE "/.*" "" room "${test}")
+    set(mirrors OFF)
+    while(NOT mirrors)
+        if(EXISTS "${HEADERS}/tactnet/${header}.hpp" OR IS_DIRECTORY "${HEADERS}/tactnet/${header}"
+           OR header STREQUAL "${room}/${room}"
+        )
+            set(mirrors ON)
+        elseif(header MATCHES "_[^_/]*$")
+            string(REGEX REPLACE "_[^_/]*$" "" header "${header}")
+        else()
+            break()
+        endif()
     endwhile()
     # The tests of examples/ mirror that folder, and some are listed there.
     if(test MATCHES "^examples/")
@@ -26,9 +37,9 @@ foreach(test IN LISTS tests)
         set(of_example OFF)
     endif()
     # Hard cases are of many headers: their files are topics.
-    if(NOT EXISTS "${HEADERS}/tactnet/${header}.hpp" AND NOT of_example AND NOT test MATCHES "^hard_cases/")
+    if(NOT mirrors AND NOT of_example AND NOT test MATCHES "^hard_cases/")
         string(APPEND problems "  ${test}: tests no header of that name; expected <header>_test.cpp or "
-                               "<header>_<topic>_test.cpp\n"
+                               "<header>_<topic>_test.cpp, or a folder of headers in place of the header\n"
         )
     endif()
 
@@ -37,7 +48,6 @@ foreach(test IN LISTS tests)
         string(APPEND problems "  ${test}: reads data that do not belong to the project; expected * doctest::test_suite(\"data\")\n")
     endif()
 
-    string(REGEX REPLACE "/.*" "" room "${test}")
     file(GLOB_RECURSE lists "${TESTS}/${room}/CMakeLists.txt")
     set(built OFF)
     foreach(list IN LISTS lists)

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <simulation/effect_frames.hpp>
+#include <support/same_bits.hpp>
 #include <utility>
 #include <vector>
 
@@ -14,8 +15,6 @@ using namespace tactnet;
 using simulation::resistive_network;
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Gauss's elimination with pivots.
 std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<double> b) {
@@ -118,13 +117,8 @@ TEST_CASE("resistive_network: three corners of a rectangle show a ghost at the f
         ghost = static_cast<double>(read(2, 3));
     }
 }
-TEST_CASE("resistive_network: grounded lines change nothing, no NaN, pressures below zero conduct nothing") {
+TEST_CASE("resistive_network: pressures below zero conduct nothing") {
     constexpr shape size{9, 11};
-    support::check_changes_no_bit<size>(resistive_network{.grounding = infinity});
-    support::check_changes_no_bit<size>(resistive_network{.sensitivity = 0});
-    support::check_changes_no_bit<size>(resistive_network{.sensitivity = -1});
-    for (const double grounding : {-1.0, 0.0, 1e-30, 1e-2, 1e30})
-        support::check_no_nan<size>(resistive_network{.grounding = grounding});
     auto pressures = support::pressed<size>();
     auto lower = pressures;
     for (float& pressure : lower)

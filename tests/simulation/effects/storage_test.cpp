@@ -1,4 +1,6 @@
+#include <tactnet/image/resize.hpp>
 #include <tactnet/simulation/effects/storage/jpeg.hpp>
+#include <tactnet/simulation/effects/storage/resolution.hpp>
 
 #include <doctest/doctest.h>
 
@@ -10,12 +12,14 @@
 #include <cstdlib>
 #include <limits>
 #include <numbers>
+#include <ratio>
 #include <simulation/effect_frames.hpp>
+
+namespace {
 
 using namespace tactnet;
 using simulation::jpeg_storage;
-
-namespace {
+using simulation::resolution;
 
 constexpr shape size{28, 50};
 using block = std::array<double, 64>;
@@ -34,8 +38,6 @@ block transformed(const block& from, bool back) {
                                      : basis(a / 8, b / 8) * basis(a % 8, b % 8));
     return to;
 }
-
-} // namespace
 
 // libjpeg's whole numbers err by some hundredths of a count, which counts where a frequency lies that near to
 // the middle between two levels: then it may take the other one, and the block is another. Such blocks are
@@ -67,6 +69,7 @@ TEST_CASE("jpeg_storage: as the standard's transform in double precision, within
     }
     CHECK(compared > 20);
 }
+
 TEST_CASE("jpeg_storage: blocks beyond the edge repeat the last row and column") {
     constexpr shape cut{5, 11}, whole{8, 16};
     const auto counts = support::pressed<cut>(1, 255);
@@ -80,6 +83,7 @@ TEST_CASE("jpeg_storage: blocks beyond the edge repeat the last row and column")
         for (std::size_t column = 0; column < cut.columns; ++column)
             CHECK(stored(row, column) == expected(row, column));
 }
+
 TEST_CASE("jpeg_storage: leaves small counts around an imprint, and nothing where there is nothing") {
     auto counts = support::filled<size>(0);
     counts(10, 20) = 200;
@@ -94,9 +98,8 @@ TEST_CASE("jpeg_storage: leaves small counts around an imprint, and nothing wher
         }
     CHECK(around > 5);
 }
-TEST_CASE("jpeg_storage: whole counts 0 to 255 come out whatever comes in; quality 0 changes nothing") {
-    support::check_changes_no_bit<size>(jpeg_storage{0});
-    support::check_changes_no_bit<size>(jpeg_storage{-3});
+
+TEST_CASE("jpeg_storage: whole counts 0 to 255 come out whatever comes in") {
     CHECK(simulation::jpeg_divisors(101) == simulation::jpeg_divisors(100));
     const float nan = std::numeric_limits<float>::quiet_NaN(),
                 infinity = std::numeric_limits<float>::infinity();
@@ -107,3 +110,30 @@ TEST_CASE("jpeg_storage: whole counts 0 to 255 come out whatever comes in; quali
             CHECK((count >= 0 && count <= 255 && count == std::floor(count)));
     }
 }
+
+constexpr shape full{28, 50}, half{14, 25};
+static_assert(simulation::output_shape<resolution<14, 25>, full>() == half);
+
+TEST_CASE("resolution: whole counts, as the resized image stored in bytes") {
+    const auto counts = support::pressed<full>(0, 255);
+    tensor<std::uint8_t, half> expected;
+    resize<full, half>(counts.view(), expected.view());
+    support::frame<half> resized;
+    const resolution<14, 25>::bound<full> bound({}, {});
+    bound.apply(counts.view(), resized.view(), {});
+    for (std::size_t i = 0; i < half.size(); ++i)
+        CHECK(resized.data()[i] == static_cast<float>(expected.data()[i]));
+}
+
+TEST_CASE("resolution: no overshoot beyond the counts") {
+    auto counts = support::filled<full>(0);
+    for (std::size_t i = 0; i < full.size(); ++i)
+        counts.data()[i] = i / full.columns < 14 ? 14.0f : 0.0f;
+    support::frame<shape{56, 100}> resized;
+    const resolution<56, 100, keys_cubic<std::ratio<-1, 2>, false>>::bound<full> bound({.last = 14}, {});
+    bound.apply(counts.view(), resized.view(), {});
+    for (const float count : resized)
+        CHECK((count >= 0 && count <= 14 && count == std::floor(count)));
+}
+
+} // namespace
