@@ -1,4 +1,7 @@
 #include <tactnet/image/augmentation.hpp>
+#include <tactnet/image/noise.hpp>
+#include <tactnet/image/three_channels.hpp>
+#include <tactnet/tensor/tensor.hpp>
 
 #include <doctest/doctest.h>
 
@@ -7,7 +10,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <numbers>
+
+namespace {
 
 using namespace tactnet;
 
@@ -137,3 +143,91 @@ TEST_CASE("image_motion::draw: shears to either side, as far as asked") {
     CHECK(most <= 0.5);
     CHECK(most > 0.49);
 }
+
+constexpr shape size{40, 50};
+
+tensor<float, size> noisy(const pressure_noise& noise, float count, std::uint64_t seed = 1,
+                          std::uint32_t epoch = 0, std::uint32_t sample = 0) {
+    tensor<float, size> image;
+    for (float& value : image)
+        value = count;
+    add_noise<size>(noise, random_stream(seed, random_purposes::noise, epoch, sample), image.view());
+    return image;
+}
+bool equal_bits(const tensor<float, size>& a, const tensor<float, size>& b) {
+    return std::equal(a.begin(), a.end(), b.begin());
+}
+
+TEST_CASE("add_noise: has the mean and deviation of its parameters") {
+    const auto check = [](const pressure_noise& noise, double count, double deviation) {
+        const auto image = noisy(noise, static_cast<float>(count));
+        double sum = 0, squares = 0;
+        for (const float value : image) {
+            sum += static_cast<double>(value) - count;
+            squares += std::pow(static_cast<double>(value) - count, 2);
+        }
+        constexpr double n = static_cast<double>(size.size());
+        CHECK(std::abs(sum / n) < 5 * deviation / std::sqrt(n));
+        // The variance of n normal numbers scatters by √(2 / n) of itself.
+        CHECK(std::abs(squares / n / (deviation * deviation) - 1) < 5 * std::sqrt(2 / n));
+    };
+    check({.additive = 2}, 100, 2);
+    check({.relative = 0.05}, 200, 10);
+    check({.additive = 3, .relative = 0.04}, 100, 5);
+}
+
+TEST_CASE("add_noise: the same for the same seed, epoch and sample") {
+    const pressure_noise noise{.additive = 1};
+    CHECK(equal_bits(noisy(noise, 50, 1, 2, 3), noisy(noise, 50, 1, 2, 3)));
+    CHECK_FALSE(equal_bits(noisy(noise, 50, 1, 2, 3), noisy(noise, 50, 2, 2, 3)));
+    CHECK_FALSE(equal_bits(noisy(noise, 50, 1, 2, 3), noisy(noise, 50, 1, 1, 3)));
+    CHECK_FALSE(equal_bits(noisy(noise, 50, 1, 2, 3), noisy(noise, 50, 1, 2, 4)));
+}
+
+TEST_CASE("add_noise: zero deviation leaves every bit unchanged; nothing falls below zero; NaN stays") {
+    for (const float value : noisy({}, -0.0f))
+        CHECK(std::signbit(value));
+    bool zero = false;
+    for (const float value : noisy({.additive = 5}, 1)) {
+        CHECK(value >= 0);
+        zero = zero || value == 0;
+    }
+    CHECK(zero);
+    for (const float value : noisy({.additive = 5}, std::numeric_limits<float>::quiet_NaN()))
+        CHECK(std::isnan(value));
+}
+
+template <shape Grey>
+void check() {
+    tensor<float, Grey> grey;
+    for (std::size_t e = 0; e < Grey.size(); ++e)
+        grey.data()[e] = static_cast<float>(e) * 1.25f - 20;
+    const channel_normalisation normalise{{123.68f, 116.78f, 103.94f}, {1, 0.5f, 1.0f / 57}};
+    tensor<float, with_three_channels(Grey)> planar;
+    std::array<float, 3 * Grey.area()> last;
+    batch<float, with_three_channels(Grey), 4> samples(6);
+    to_three_channels<Grey>(grey.view(), normalise, planar.view());
+    to_three_channels_last<Grey>(grey.view(), normalise, last);
+    to_three_channels<Grey>(grey.view(), normalise, samples.view(), 5);
+    std::size_t wrong = 0;
+    for (std::size_t channel = 0; channel < 3; ++channel)
+        for (std::size_t e = 0; e < Grey.area(); ++e) {
+            const float expected = (grey.data()[e] - normalise.mean[channel]) * normalise.scale[channel];
+            wrong += planar.data()[channel * Grey.area() + e] != expected;
+            wrong += last[3 * e + channel] != expected;
+            wrong += samples(5, channel * Grey.area() + e) != expected;
+            wrong += samples(4, channel * Grey.area() + e) != 0;
+        }
+    CHECK_MESSAGE(wrong == 0, Grey.rows << " x " << Grey.columns);
+}
+
+TEST_CASE("to_three_channels: the same numbers in each layout, less the mean of each channel") {
+    check<shape{7, 13}>();
+    check<shape{28, 50}>();
+    check<shape{1, 1}>();
+    check<shape{1, 3}>();
+    check<shape{2, 8}>();
+    check<shape{5, 5}>();
+}
+
+} // namespace
