@@ -1,10 +1,13 @@
-// Arguments that mean nothing, and files that are named twice.
+// Arguments that mean nothing, files that are named twice, names of files that are not what they seem, and
+// names that are more than a name to somebody.
 
 #include "groups.hpp"
-#include "jobs.hpp"
 
 #include <algorithm>
 #include <array>
+#include <iterator>
+#include <sstream>
+#include <sys/stat.h>
 
 namespace faults {
 namespace {
@@ -24,8 +27,7 @@ words with(words command, const std::string& option, const std::string& value) {
 /// Exit status 2, a message, and nothing changed.
 finding must_refuse(scene& s, const words& command, const std::string& what) {
     const auto before = files_in(s.folder);
-    conditions under;
-    under.pictures = false;
+    conditions under = without_pictures;
     under.patience = std::chrono::seconds(20);
     const ending end = s.run(command, under);
     if (!end.orderly())
@@ -70,9 +72,8 @@ finding number(scene& s) {
     const auto& [command, options] = s.one_of(takers);
     const std::string option = s.one_of(options), value = s.one_of(values);
     if (value == values.back() && (option == "--rate" || option == "--checkpoint-every")) {
-        conditions under; // a number, which has its consequences
-        under.pictures = false;
-        const ending end = s.run(with(command, option, value), under);
+        // A number, which has its consequences.
+        const ending end = s.run(with(command, option, value), without_pictures);
         if (!end.orderly())
             return s.aborted(end);
         return end.status != 0 && end.error.empty() ? s.silent("no message") : s.handled();
@@ -90,60 +91,32 @@ finding equal_names(scene& s) {
     const std::array there{"net"s, "./net"s, "link"s, "hard"s, "here/net"s, "here/here/link"s};
     const std::array later{"new"s, "./new"s, "dangling"s, "here/new"s, "here/dangling"s};
     const std::string name = s.one_of(there), other = s.one_of(there), fresh = s.one_of(later);
-    switch (s.below(5)) {
-    case 0:
-        return must_refuse(s, s.made.tactnet({"export", "--weights", name, "--output", other}),
-                           "equal names");
-    case 1:
-        return must_refuse(s, s.made.train({"--epochs", "2", "--start", name, "--output", other}),
-                           "equal names");
-    case 2:
-        return must_refuse(
-            s, s.made.train({"--epochs", "2", "--output", name, "--checkpoint", other, "--afresh"}),
-            "equal names");
-    case 3:
-        return must_refuse(s, s.made.train({"--epochs", "2", "--output", "new", "--checkpoint", fresh}),
-                           "equal names");
-    default:
-        return must_refuse(s,
-                           s.made.train({"--epochs", "2", "--start", name, "--output", "new", "--checkpoint",
-                                         other, "--afresh"}),
-                           "equal names");
-    }
+    const std::vector<words> commands{
+        s.made.tactnet({"export", "--weights", name, "--output", other}),
+        s.made.train({"--epochs", "2", "--start", name, "--output", other}),
+        s.made.train({"--epochs", "2", "--output", name, "--checkpoint", other, "--afresh"}),
+        s.made.train({"--epochs", "2", "--output", "new", "--checkpoint", fresh}),
+        s.made.train(
+            {"--epochs", "2", "--start", name, "--output", "new", "--checkpoint", other, "--afresh"}),
+    };
+    return must_refuse(s, s.one_of(commands), "equal names");
+}
+
+words words_of(const std::string& text) {
+    std::istringstream in(text);
+    return {std::istream_iterator<std::string>(in), {}};
 }
 
 /// Words in any order: they may mean something, or not.
 finding any_words(scene& s) {
     s.bring("net");
     s.bring("sample.csv");
-    const std::array pool{"train"s,      "evaluate"s,
-                          "classify"s,   "export"s,
-                          "list"s,       "simulate"s,
-                          "study"s,      "recommend"s,
-                          "check"s,      "--data"s,
-                          "--output"s,   "--weights"s,
-                          "--epochs"s,   "--rows"s,
-                          "--columns"s,  "--method"s,
-                          "--seed"s,     "--help"s,
-                          "--resume"s,   "--afresh"s,
-                          "--results"s,  "--namespace"s,
-                          "--packing"s,  "--split"s,
-                          "--out"s,      "--csv"s,
-                          "--map"s,      "--picture"s,
-                          "--scene"s,    "--"s,
-                          "-"s,          ""s,
-                          "0"s,          "1"s,
-                          "2"s,          "7"s,
-                          "13"s,         "net"s,
-                          "sample.csv"s, "tactnet4"s,
-                          "svm-rbf"s,    "own"s,
-                          "out"s,        "."s,
-                          "/"s,          "%s%n%x"s,
-                          "\xff\xfe"s,   "a\nb"s,
-                          "\x1b[2J"s,    std::string(5000, 'a'),
-                          "=x"s,         "--data="s,
-                          "--epochs=2"s, "-h"s,
-                          "@net"s,       "paper"s};
+    words pool = words_of(
+        "train evaluate classify export list simulate study recommend check --data --output --weights "
+        "--epochs --rows --columns --method --seed --help --resume --afresh --results --namespace --packing "
+        "--split --out --csv --map --picture --scene -- - 0 1 2 7 13 net sample.csv tactnet4 svm-rbf own out "
+        ". / %s%n%x \xff\xfe \x1b[2J =x --data= --epochs=2 -h @net paper");
+    pool.insert(pool.end(), {"", "a\nb", std::string(5000, 'a')});
     const auto& where = s.made.where();
     std::vector<fs::path> programs{where.tactnet, where.tactnet, where.tactnet};
     for (const fs::path& more : {where.decode, where.stream})
@@ -155,9 +128,7 @@ finding any_words(scene& s) {
     for (std::size_t more = s.below(6); more > 0; --more)
         command.insert(command.begin() + 1 + static_cast<std::ptrdiff_t>(s.below(command.size())),
                        s.one_of(pool));
-    conditions under;
-    under.pictures = false;
-    const ending end = s.run(command, under);
+    const ending end = s.run(command, without_pictures);
     if (!end.orderly())
         return s.aborted(end);
     if (end.status != 0 && end.error.empty())
@@ -168,17 +139,147 @@ finding any_words(scene& s) {
     return s.handled();
 }
 
+/// Something at `place` that is no file to read.
+std::string put_trap(scene& s, const fs::path& place) {
+    fs::remove_all(place);
+    switch (s.below(6)) {
+    case 0:
+        static_cast<void>(::mkfifo(place.c_str(), 0666));
+        return "a pipe";
+    case 1:
+        fs::create_directory(place);
+        return "a folder";
+    case 2:
+        fs::create_symlink("nowhere", place);
+        return "a dangling link";
+    case 3:
+        fs::create_symlink(place.filename(), place);
+        return "a link to itself";
+    case 4:
+        fs::create_symlink("/dev/zero", place);
+        return "an endless device";
+    default:
+        fs::create_symlink("/proc/self/mem", place);
+        return "unreadable memory";
+    }
+}
+
+finding strange_input(scene& s) {
+    for (const char* name : {"net", "stopped.checkpoint", "data", "results", "simulated", "sample.csv"})
+        s.bring(name);
+    const std::string data = (s.folder / "data").string(), number = std::to_string(epochs);
+    const auto& where = s.made.where();
+    struct reader {
+        std::string place;
+        words command;
+    };
+    std::vector<reader> readers{
+        {"trap", s.made.classify("trap")},
+        {"trap", s.made.tactnet({"classify", "--weights", "net", "trap"})},
+        {"trap", s.made.tactnet({"classify", "--weights", "net", "--classes", "trap", s.made.image()})},
+        {"trap", s.made.tactnet({"export", "--weights", "trap", "--output", "out"})},
+        {"trap", s.made.train({"--epochs", "2", "--start", "trap", "--output", "out"})},
+        {"trap", s.made.train({"--epochs", "2", "--output", "out"}, "trap")},
+        {"trap", s.made.train({"--epochs", number, "--output", "out", "--checkpoint", "trap", "--resume"})},
+        {"data/left/image3.png", s.made.train({"--epochs", "2", "--output", "out"}, data)},
+        {"data/left", s.made.train({"--epochs", "2", "--output", "out"}, data)},
+        {"simulated/simulation.json", s.made.simulate("simulated")},
+        {"results/evaluation.jsonl", s.made.evaluate({"--results", "results"})},
+        {"trap", s.made.tactnet({"evaluate", "--data", "data", "--weights", "trap"})},
+    };
+    if (!where.decode.empty()) {
+        readers.push_back({"trap", {where.decode.string(), "trap"}});
+        readers.push_back({"trap", {where.decode.string(), "--map", "trap", "sample.csv"}});
+    }
+    if (!where.stream.empty())
+        readers.push_back({"trap", {where.stream.string(), "trap"}});
+    const reader& chosen = s.one_of(readers);
+    const std::string what = put_trap(s, s.folder / chosen.place);
+    conditions under = without_pictures;
+    under.patience = std::chrono::seconds(20);
+    const ending end = s.run(chosen.command, under);
+    if (!end.orderly())
+        return s.aborted(end);
+    // A link to nothing may be a name to write to. What is no folder next to those of classes, and a folder
+    // within one, are passed over, as is documented.
+    const bool may_do = (what == "a dangling link" && chosen.place != "trap") ||
+                        chosen.place == "data/left" ||
+                        (what == "a folder" && chosen.place == "data/left/image3.png");
+    if (end.status == 0 && !may_do)
+        return s.silent(what + " as " + chosen.place + " was taken for a file");
+    if (end.status != 0 && end.error.empty())
+        return s.silent(what + " as " + chosen.place + ": no message");
+    return s.handled();
+}
+
+finding strange_output(scene& s) {
+    s.bring("net");
+    const std::array names{"|touch hacked;"s,
+                           "<touch hacked;"s,
+                           "-x"s,
+                           "--output"s,
+                           "a\nb"s,
+                           "$(touch hacked)"s,
+                           "`touch hacked`"s,
+                           "a'b"s,
+                           "a\"b"s,
+                           "a b"s,
+                           "a\\b"s,
+                           "\xff\xfe"s,
+                           "ä"s,
+                           "%s%n"s,
+                           "a;touch hacked"s,
+                           "!touch hacked"s,
+                           "\x1b[2J"s,
+                           "."s,
+                           ".."s,
+                           "a/"s,
+                           ".hidden"s,
+                           std::string(255, 'n'),
+                           std::string(300, 'n'),
+                           "\t"s,
+                           "*"s,
+                           "'; system 'touch hacked"s,
+                           "@x"s,
+                           "net.confusion.png"s,
+                           "a\rb"s,
+                           "#x"s};
+    const std::string name = s.one_of(names);
+    const std::vector<words> writers{
+        s.made.train({"--epochs", std::to_string(epochs), "--output=" + name}),
+        s.made.tactnet({"export", "--weights", "net", "--output=" + name}),
+        s.made.evaluate({"--results=" + name}),
+        s.made.tactnet({"simulate", "--per-class", "1", "--out=" + name}),
+        s.made.train({"--epochs", "2", "--output=" + name + "/net"}),
+        s.made.train({"--epochs", "2", "--output", "other", "--checkpoint=" + name}),
+    };
+    const std::size_t which = s.below(writers.size());
+    conditions under; // with pictures: they are what names become commands in
+    const ending end = s.run(writers[which], under);
+    if (!end.orderly())
+        return s.aborted(end);
+    if (fs::exists(s.folder / "hacked"))
+        return s.silent("a name became a command");
+    if (end.status != 0)
+        return end.error.empty() ? s.silent("no message") : s.handled();
+    if (end.error.find('\x1b') != std::string::npos || end.out.find('\x1b') != std::string::npos)
+        return s.silent("a terminal gets control characters");
+    if (which == 0 && bytes_of(s.folder / name) != bytes_of(s.made / "net"))
+        return s.silent("other weights under a strange name");
+    if (which < 4 && !fs::exists(s.folder / name))
+        return s.silent("nothing of that name, exit status 0");
+    return s.handled();
+}
+
 } // namespace
 
 finding ask_for_nonsense(scene& s, std::size_t index) {
-    switch (index % 3) {
-    case 0:
-        return number(s);
-    case 1:
-        return equal_names(s);
-    default:
-        return any_words(s);
-    }
+    constexpr std::array kinds{number, equal_names, any_words};
+    return kinds[index % kinds.size()](s);
+}
+
+finding name_strange_files(scene& s, std::size_t number) {
+    return number % 2 == 0 ? strange_input(s) : strange_output(s);
 }
 
 } // namespace faults

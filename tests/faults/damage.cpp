@@ -89,9 +89,7 @@ const std::string& undamaged(scene& s, const reading& r) {
         return kept[&r] = results_of({}, s.made.folder());
     if (r.outcome == images_of)
         return kept[&r] = images_of({}, s.made.folder());
-    conditions under;
-    under.pictures = false;
-    const ending end = run(r.command(s.made), s.made.folder(), under);
+    const ending end = run(r.command(s.made), s.made.folder(), without_pictures);
     return kept[&r] = r.outcome(end, s.made.folder());
 }
 
@@ -106,9 +104,7 @@ finding read_damaged(scene& s, const reading& r, const std::string& damage,
     const std::string& right = undamaged(s, r);
     s.bring(r.folder != nullptr ? r.folder : r.file);
     write_bytes(s.folder / r.file, damaged(bytes_of(s.folder / r.file)));
-    conditions under;
-    under.pictures = false;
-    const ending end = s.run(r.command(s.made), under);
+    const ending end = s.run(r.command(s.made), without_pictures);
     if (!end.orderly())
         return s.aborted(end);
     const std::string what = std::string(r.file) + ", " + damage;
@@ -259,11 +255,9 @@ finding cut_files(scene& s, std::size_t number) {
     const std::string whole = bytes_of(image);
     const std::size_t size = s.below(whole.size());
     write_bytes(image, whole.substr(0, size));
-    conditions under;
-    under.pictures = false;
     const ending end = s.run(
         s.made.train({"--epochs", std::to_string(epochs), "--output", "net"}, (s.folder / "data").string()),
-        under);
+        without_pictures);
     if (!end.orderly())
         return s.aborted(end);
     if (end.status == 0 && end.error.find("warning") == std::string::npos &&

@@ -1,6 +1,7 @@
 #pragma once
 
-// The groups of the attack. A group's cases are numbered from 0; any number is a case.
+// All that the programs do, with what must be left behind; and the groups of the attack. A group's cases are
+// numbered from 0; any number is a case.
 
 #include "scene.hpp"
 
@@ -8,6 +9,26 @@
 #include <vector>
 
 namespace faults {
+
+struct job {
+    std::string name;
+    words command;
+    std::vector<std::string> brings; ///< of what was made
+    std::string input;               ///< from the standard input
+    bool prints;                     ///< results on the standard output, which must not be lost
+    bool draws;                      ///< pictures
+    std::string (*wrong)(const materials&, const fs::path& folder, bool done); ///< of what is left there
+};
+
+/// All of them, or those that leave files.
+std::vector<job> jobs(const materials& made, bool only_writers = false);
+
+/// Runs a job in a folder of the scene. Judges how it ended, and what it left under its final names.
+/// `heard`: whether messages reach anyone.
+finding attempt(scene& s, const job& what, conditions under, bool heard = true);
+
+/// Why something that is left is not what an undisturbed program leaves; empty if all is well.
+std::string wrong_among_reports(const fs::path& folder);
 
 struct group {
     std::string name;

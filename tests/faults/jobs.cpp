@@ -1,4 +1,4 @@
-#include "jobs.hpp"
+#include "groups.hpp"
 
 #include <algorithm>
 #include <set>
@@ -79,59 +79,40 @@ std::string wrong_among_reports(const fs::path& folder) {
 
 std::vector<job> jobs(const materials& made, bool only_writers) {
     const std::string number = std::to_string(epochs), data = (made / "data").string();
-    std::vector<job> all{
-        {"train", made.train({"--epochs", number, "--output", "net"}), {}, "", true, true, network},
-        {"train with checkpoints",
-         made.train({"--epochs", number, "--output", "net", "--checkpoint-every", "0.0000001"}),
-         {},
-         "",
-         true,
-         true,
-         network},
-        {"train an SVM",
-         made.tactnet({"train", "--data", data, "--method", "svm-rbf", "--rows", "7", "--columns", "13",
-                       "--seed", "5", "--output", "svm-rbf"}),
-         {},
-         "",
-         true,
-         true,
-         machine},
-        {"evaluate", made.evaluate({"--results", "results"}), {}, "", true, true, results},
-        {"export",
-         made.tactnet({"export", "--weights", "net", "--output", "net.hpp"}),
-         {"net"},
-         "",
-         false,
-         false,
-         header},
-        {"simulate", made.simulate("simulated"), {}, "", true, false, images},
+    std::vector<job> all;
+    const auto add = [&](const std::string& name, const words& command, const words& brings = {},
+                         bool draws = false, const std::string& input = "") -> job& {
+        return all.emplace_back(job{name, command, brings, input, true, draws, nothing});
     };
+    add("train", made.train({"--epochs", number, "--output", "net"}), {}, true).wrong = network;
+    add("train with checkpoints",
+        made.train({"--epochs", number, "--output", "net", "--checkpoint-every", "0.0000001"}), {}, true)
+        .wrong = network;
+    add("train an SVM",
+        made.tactnet({"train", "--data", data, "--method", "svm-rbf", "--rows", "7", "--columns", "13",
+                      "--seed", "5", "--output", "svm-rbf"}),
+        {}, true)
+        .wrong = machine;
+    add("evaluate", made.evaluate({"--results", "results"}), {}, true).wrong = results;
+    job& exported =
+        add("export", made.tactnet({"export", "--weights", "net", "--output", "net.hpp"}), {"net"});
+    exported.prints = false, exported.wrong = header;
+    add("simulate", made.simulate("simulated")).wrong = images;
     if (only_writers)
         return all;
-    all.push_back({"go on",
-                   made.train({"--epochs", number, "--output", "net", "--checkpoint", "stopped.checkpoint",
-                               "--resume"}),
-                   {"stopped.checkpoint"},
-                   "",
-                   true,
-                   false,
-                   nothing});
-    all.push_back({"evaluate weights",
-                   made.tactnet({"evaluate", "--data", data, "--weights", "net"}),
-                   {"net"},
-                   "",
-                   true,
-                   true,
-                   nothing});
-    all.push_back({"classify", made.classify("net"), {"net"}, "", true, false, nothing});
-    all.push_back({"list", made.tactnet({"list"}), {}, "", true, false, nothing});
-    all.push_back({"check", made.tactnet({"check", "--data", data}), {}, "", true, false, nothing});
-    all.push_back({"help", made.tactnet({"train", "--help"}), {}, "", true, false, nothing});
+    add("go on",
+        made.train({"--epochs", number, "--output", "net", "--checkpoint", "stopped.checkpoint", "--resume"}),
+        {"stopped.checkpoint"});
+    add("evaluate weights", made.tactnet({"evaluate", "--data", data, "--weights", "net"}), {"net"}, true);
+    add("classify", made.classify("net"), {"net"});
+    add("list", made.tactnet({"list"}));
+    add("check", made.tactnet({"check", "--data", data}));
+    add("help", made.tactnet({"train", "--help"}));
     if (!made.where().decode.empty()) {
         const std::string decode = made.where().decode.string();
-        all.push_back({"decode", {decode, "--csv", "sample.csv"}, {"sample.csv"}, "", true, false, nothing});
-        all.push_back({"describe", {decode, "sample.fsx"}, {"sample.fsx"}, "", true, false, nothing});
-        all.push_back({"decoder's help", {decode, "--help"}, {}, "", true, false, nothing});
+        add("decode", {decode, "--csv", "sample.csv"}, {"sample.csv"});
+        add("describe", {decode, "sample.fsx"}, {"sample.fsx"});
+        add("decoder's help", {decode, "--help"});
     }
     if (!made.where().stream.empty())
         for (const auto& [name, kind, options] : {std::tuple{"own", "own", words{"own"}},
@@ -140,13 +121,8 @@ std::vector<job> jobs(const materials& made, bool only_writers) {
                                                   {"picture", "plain", {"--picture", "--air", "1"}}}) {
             words command{made.where().stream.string(), (made / "stream.net").string()};
             command.insert(command.end(), options.begin(), options.end());
-            all.push_back({std::string("stream, ") + name,
-                           command,
-                           {},
-                           bytes_of(made / (std::string(kind) + ".stream")),
-                           true,
-                           false,
-                           nothing});
+            add(std::string("stream, ") + name, command, {}, false,
+                bytes_of(made / (std::string(kind) + ".stream")));
         }
     return all;
 }

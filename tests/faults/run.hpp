@@ -33,6 +33,13 @@ struct conditions {
     std::chrono::seconds patience{60};
 };
 
+/// They take most of the time of a training.
+inline const conditions without_pictures = [] {
+    conditions usual;
+    usual.pictures = false;
+    return usual;
+}();
+
 struct ending {
     int status = -1; ///< of an exit; a signal's number is in `signal`
     int signal = 0;

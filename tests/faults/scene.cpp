@@ -44,8 +44,6 @@ materials::materials(programs which) : programs_(std::move(which)) {
         make(tactnet({"train", "--data", "data", "--method", method, "--rows", "7", "--columns", "13",
                       "--seed", "5", "--output", method}));
     make(evaluate({"--results", "results"}));
-    conditions without_pictures;
-    without_pictures.pictures = false;
     make(study({"--results", "study"}), without_pictures);
     make(simulate("simulated"));
     make(tactnet({"export", "--weights", "net", "--output", "net.hpp"}));
@@ -56,8 +54,7 @@ materials::materials(programs which) : programs_(std::move(which)) {
          stops.after += std::chrono::milliseconds(5)) {
         if (stops.after > std::chrono::seconds(1))
             throw std::runtime_error("a stopped training leaves no checkpoint");
-        for (const auto& file : {"stopped"})
-            fs::remove(folder() / file);
+        fs::remove(folder() / "stopped");
         make(train({"--epochs", std::to_string(epochs), "--output", "stopped"}), stops);
     }
     for (const auto& [name, bytes] : recordings())

@@ -94,9 +94,7 @@ finding replace_checksum(scene& s) {
     for (const std::string& one : lines)
         all += one + '\n';
     write_bytes(s.folder / of.file, all);
-    conditions under;
-    under.pictures = false;
-    const ending end = s.run(of.command, under);
+    const ending end = s.run(of.command, without_pictures);
     if (!end.orderly())
         return s.aborted(end);
     return end.error.find(fs::path(of.file).filename().string()) == std::string::npos
@@ -113,12 +111,11 @@ finding name_with_controls(scene& s) {
         return end.out.find(name) != std::string::npos || end.error.find(name) != std::string::npos ||
                has_control_characters(end);
     };
-    conditions under;
-    under.pictures = false;
     if (s.below(2) == 0) { // an image: classified like any other, on a line of its own
         s.bring("net");
         fs::copy_file(s.made.image(), s.folder / (name + ".png"));
-        const ending end = s.run(s.made.tactnet({"classify", "--weights", "net", name + ".png"}), under);
+        const ending end =
+            s.run(s.made.tactnet({"classify", "--weights", "net", name + ".png"}), without_pictures);
         if (!end.orderly())
             return s.aborted(end);
         if (!end.done() || lines_of(end.out).size() != 1)
@@ -127,7 +124,7 @@ finding name_with_controls(scene& s) {
     }
     s.bring("data");
     fs::rename(s.folder / "data" / "left", s.folder / "data" / name);
-    const ending end = s.run(s.made.train({"--epochs", "2", "--output", "out"}, "data"), under);
+    const ending end = s.run(s.made.train({"--epochs", "2", "--output", "out"}, "data"), without_pictures);
     if (!end.orderly())
         return s.aborted(end);
     if (end.done() || end.error.empty() || fs::exists(s.folder / "out"))
@@ -158,16 +155,9 @@ finding name_classes_with_controls(scene& s) {
 } // namespace
 
 finding replace_values(scene& s, std::size_t number) {
-    switch (number % 4) {
-    case 0:
-        return replace_measure(s);
-    case 1:
-        return replace_checksum(s);
-    case 2:
-        return name_with_controls(s);
-    default:
-        return name_classes_with_controls(s);
-    }
+    constexpr std::array kinds{replace_measure, replace_checksum, name_with_controls,
+                               name_classes_with_controls};
+    return kinds[number % kinds.size()](s);
 }
 
 } // namespace faults
