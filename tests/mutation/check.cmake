@@ -30,24 +30,31 @@ TEST_CASE("sums: products and signs") {
 }
 ]])
 
+# expect_in_run(OPTIONS option... LINES regular expression...)
 set(command "${PYTHON}" "${SCRIPT}" --tree "${FOLDER}" --compiler "${COMPILER}" --flags=-O0 --count 100 --each 100)
-execute_process(COMMAND ${command} OUTPUT_VARIABLE output ERROR_VARIABLE errors RESULT_VARIABLE result)
-if(NOT result EQUAL 0)
-    message(FATAL_ERROR "tests/mutation/mutate.py failed: ${errors}")
-endif()
-foreach(
-    expected IN
-    ITEMS "sums.hpp:2 '\\+' to '-': killed by room/sums_test.cpp: static_assert"
+function(expect_in_run)
+    cmake_parse_arguments(PARSE_ARGV 0 run "" "" "OPTIONS;LINES")
+    execute_process(
+        COMMAND ${command} ${run_OPTIONS} OUTPUT_VARIABLE output ERROR_VARIABLE errors RESULT_VARIABLE result
+    )
+    if(NOT result EQUAL 0)
+        message(FATAL_ERROR "tests/mutation/mutate.py ${run_OPTIONS} failed: ${errors}")
+    endif()
+    foreach(expected IN LISTS run_LINES)
+        if(NOT output MATCHES "${expected}")
+            message(FATAL_ERROR "Expected '${expected}' in:\n${output}")
+        endif()
+    endforeach()
+endfunction()
+
+expect_in_run(
+    LINES "sums.hpp:2 '\\+' to '-': killed by room/sums_test.cpp: static_assert"
           "sums.hpp:3 '\\*' to '/': killed by room/sums_test.cpp: sums: products and signs"
           "sums.hpp:5 '>' to '>=': survived"
           "sums.hpp:8 '-' to '\\+': same code"
           "sums.hpp:10 '7' to '8': survived"
           "sums.hpp:10 'to.0. = 7' to '': killed by"
 )
-    if(NOT output MATCHES "${expected}")
-        message(FATAL_ERROR "Expected '${expected}' in:\n${output}")
-    endif()
-endforeach()
 
 # A second run resumes: nothing is left to do.
 execute_process(COMMAND ${command} OUTPUT_VARIABLE again)
@@ -57,20 +64,12 @@ endif()
 
 # All at once: the same is noticed where a switch can show it, and what runs only while compiling is left to the other way.
 file(REMOVE "${FOLDER}/output/mutants.jsonl")
-execute_process(COMMAND ${command} --together OUTPUT_VARIABLE output ERROR_VARIABLE errors RESULT_VARIABLE result)
-if(NOT result EQUAL 0)
-    message(FATAL_ERROR "tests/mutation/mutate.py --together failed: ${errors}")
-endif()
-foreach(
-    expected IN
-    ITEMS "sums.hpp:2: no switch shows it"
+expect_in_run(
+    OPTIONS --together
+    LINES "sums.hpp:2: no switch shows it"
           "sums.hpp:3 '\\*' to '/': killed by room/sums_test.cpp: sums: products and signs"
           "sums.hpp:5 '>' to '>=': survived"
           "sums.hpp:8: no switch shows it"
           "sums.hpp:10 '7' to '8': survived"
           "sums.hpp:10 'to.0. = 7' to '': killed by room/sums_test.cpp: sums: products and signs"
 )
-    if(NOT output MATCHES "${expected}")
-        message(FATAL_ERROR "Expected '${expected}' in:\n${output}")
-    endif()
-endforeach()

@@ -147,15 +147,15 @@ class Tests:
         return reached
 
     def of(self, header):
-        """Nearest first: the header's own test, tests of its room, tests that include it, all others; small ones first."""
-        stem = header[: -len(".hpp")]
+        """Nearest first: the header's or its folder's own test, tests of its room, tests that include it, all others; small
+        ones first."""
+        stem, folder, room = header[: -len(".hpp")], header.rpartition("/")[0], header.split("/")[0]
+        own = re.compile(f"({re.escape(stem)}|{folder}|{room}/{room})(_\\w+)?_test\\.cpp")
 
         def distance(path):
             test = path.relative_to(TESTS).as_posix()
-            own = re.fullmatch(re.escape(stem) + r"(_\w+)?_test\.cpp", test) is not None
-            same_room = test.split("/")[0] == header.split("/")[0]
             direct = "tactnet/" + header in self.included(path)
-            return (not own, not same_room, not direct, len(self.files[path]), test)
+            return (not (own.fullmatch(test) and direct), test.split("/")[0] != room, not direct, len(self.files[path]), test)
 
         return sorted((path for path, seen in self.files.items() if header in seen), key=distance)
 

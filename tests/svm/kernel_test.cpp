@@ -1,8 +1,10 @@
 #include "samples.hpp"
 
+#include <tactnet/svm/kernel/cache.hpp>
 #include <tactnet/svm/kernel/gram_matrix.hpp>
 #include <tactnet/svm/kernel/samples.hpp>
 #include <tactnet/svm/kernel/space.hpp>
+#include <tactnet/svm/kernel_training.hpp>
 
 #include <doctest/doctest.h>
 
@@ -12,9 +14,72 @@
 #include <string>
 #include <vector>
 
+namespace {
+
 using namespace tactnet;
 
-namespace {
+/// Of five samples, with the rows that were filled. Column c of sample s holds 10 s + c.
+struct recorded_cache : kernel_cache {
+    std::vector<std::size_t> filled;
+
+    explicit recorded_cache(std::size_t bytes) : kernel_cache(5, bytes) {}
+    const float* operator()(std::size_t sample, std::size_t columns = 5) {
+        return row(sample, columns, [&](float* out) {
+            filled.push_back(sample);
+            for (std::size_t c = 0; c < columns; ++c)
+                out[c] = static_cast<float>(10 * sample + c);
+        });
+    }
+};
+
+TEST_CASE("kernel_cache: the rows used last stay, and rows are cut to the columns that are left") {
+    recorded_cache cache(2 * 16 * sizeof(float));
+    (void)cache(0, 5);
+    (void)cache(1, 5);
+    (void)cache(0, 5);
+    (void)cache(2, 5); // in place of 1
+    CHECK(cache(0, 5)[4] == 4);
+    CHECK(cache.filled == std::vector<std::size_t>{0, 1, 2});
+    const std::vector<std::size_t> columns{0, 3, 4};
+    cache.keep(columns, columns);
+    CHECK(cache(0, 3)[1] == 3);
+    CHECK(cache(0, 3)[2] == 4);
+    CHECK(cache(0, 3)[3] == 0);
+    CHECK(cache.filled.size() == 3);
+    CHECK(cache(3, 3)[2] == 32);
+    CHECK(cache.filled.back() == 3);
+}
+
+TEST_CASE("kernel_cache: a row that gave up its place is filled again, and two rows are always there") {
+    recorded_cache cache(0);
+    const float* const first = cache(0);
+    const float* const second = cache(1);
+    CHECK(first[4] == 4);
+    CHECK(second[4] == 14);
+    CHECK(cache(0) == first);
+    CHECK(cache.filled == std::vector<std::size_t>{0, 1});
+    CHECK(cache(2)[1] == 21); // in place of 1
+    CHECK(cache(1)[1] == 11); // in place of 0
+    CHECK(cache(0)[1] == 1);
+    CHECK(cache.filled == std::vector<std::size_t>{0, 1, 2, 1, 0});
+}
+
+TEST_CASE("kernel_cache: every row that is left is cut, and one that is not is filled when it comes again") {
+    recorded_cache cache(5 * 16 * sizeof(float));
+    for (const std::size_t sample : {0U, 1U, 2U, 3U})
+        (void)cache(sample, 5);
+    const std::vector<std::size_t> columns{1, 4};
+    const std::vector<std::size_t> samples{0, 1, 3};
+    cache.keep(columns, samples);
+    for (const std::size_t sample : samples) {
+        CHECK(cache(sample, 2)[0] == static_cast<float>(10 * sample + 1));
+        CHECK(cache(sample, 2)[1] == static_cast<float>(10 * sample + 4));
+        CHECK(cache(sample, 2)[2] == 0);
+    }
+    CHECK(cache.filled.size() == 4);
+    CHECK(cache(2, 2)[1] == 21);
+    CHECK(cache.filled.size() == 5);
+}
 
 double squared_distance(feature_rows<> rows, std::size_t i, std::size_t j) {
     double sum = 0;
@@ -31,8 +96,6 @@ gram_matrix gram_of(feature_rows<> rows, double gamma, std::size_t threads = 1) 
     measured.gram->apply(rbf_kernel{gamma}, measured.space.unit(), pool);
     return *measured.gram;
 }
-
-} // namespace
 
 TEST_CASE("kernel_space: distances far from the origin, at any scale, of close pairs and of equal ones") {
     support::samples s = support::blobs(150, 20, 3, 0.7);
@@ -126,3 +189,25 @@ TEST_CASE("kernel_space: gamma of scale is one over features times variance, and
          {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
         CHECK_THROWS_AS((void)rbf_kernel{gamma}.fitted(s.rows()), std::invalid_argument);
 }
+
+// Where a part of the cross-validation leaves one side alone, that side is the answer to what was held out,
+// which is of the other one: each of two points is labelled as the other.
+TEST_CASE("kernel_training: a part that leaves one side without samples answers with the other side") {
+    const support::samples two{1, {-1, 1}, {5, 9}};
+    thread_pool alone;
+    const auto machine =
+        train_kernel_machine(two.rows(), two.labels,
+                             kernel_training_options<rbf_kernel>{.probability_folds = 2}, alone)
+            .machine;
+    const platt_sigmoid expected = fit_platt_sigmoid(std::vector<double>{-1, 1}, std::vector<double>{1, -1}),
+                        of_nothing = fit_platt_sigmoid(std::vector<double>{0, 0}, std::vector<double>{1, -1});
+    REQUIRE(machine.parameters().sigmoids.size() == 1);
+    const platt_sigmoid found = machine.parameters().sigmoids[0];
+    CHECK(found.slope == expected.slope);
+    CHECK(found.offset == expected.offset);
+    CHECK(found.slope != of_nothing.slope);
+    CHECK(found.slope >
+          0); // the larger the value, the less likely the first class: labelled the wrong way round
+}
+
+} // namespace
