@@ -10,7 +10,6 @@ using net = tactnet::tactnet4<tactnet::shape{28, 50}, 22>;
 #ifdef CASE_frame_of_other_shape
 // expect: deployed: the frame has another shape than the network's input; frame_has_shape shows its rows, columns and channels, then those expected
 // expect: Rows == ExpectedRows .with .*Rows = |frame_has_shape<50UL, 28UL, 1UL, 28UL, 50UL, 1UL>
-// at-most: 1
 bool recognise(const tactnet::deployed<net>& fast,
                const tactnet::tensor<float, tactnet::shape{50, 28}>& frame, std::span<float, 22> outputs,
                tactnet::deployed<net>::workspace& memory) {
@@ -21,7 +20,6 @@ bool recognise(const tactnet::deployed<net>& fast,
 #ifdef CASE_frame_of_other_size
 // expect: deployed: the frame has another number of elements than the network's input; frame_has_size shows found, expected
 // expect: ExpectedElements = 1400; Elements = 1399|frame_has_size<1399UL, 1400UL>
-// at-most: 1
 std::size_t recognise(const tactnet::deployed<net>& model) {
     const std::array<std::uint8_t, 1399> frame{};
     const auto found = model.classify(frame);
@@ -32,7 +30,6 @@ std::size_t recognise(const tactnet::deployed<net>& model) {
 #ifdef CASE_frame_of_other_type
 // expect: deployed: the elements of a frame are counts, std::uint8_t, or float; frame_has_type shows what was found
 // expect: Element = short unsigned int|'unsigned short' does not satisfy 'frame_has_type'
-// at-most: 1
 bool recognise(const tactnet::deployed<net>& fast, const std::array<std::uint16_t, 28 * 50>& frame,
                std::span<float, 22> outputs) {
     return fast.view().infer(frame, outputs) == tactnet::frame_status::ok;
@@ -41,7 +38,6 @@ bool recognise(const tactnet::deployed<net>& fast, const std::array<std::uint16_
 
 #ifdef CASE_frame_of_sensor
 // expect: deployed: the size of this frame is known at run time only: check it with frame.as<network::input_shape>.., which returns nothing for another size
-// at-most: 1
 std::size_t recognise(const tactnet::deployed<net>& model, const tactnet::frame_view& frame) {
     if (const auto found = model.classify(frame))
         return found->index;
@@ -51,7 +47,6 @@ std::size_t recognise(const tactnet::deployed<net>& model, const tactnet::frame_
 
 #ifdef CASE_frame_of_unknown_size
 // expect: deployed: the size of this frame is known at run time only: check it with try_view<network::input_shape>.frame., which returns nothing for another size, and pass what that holds
-// at-most: 1
 std::size_t recognise(const tactnet::deployed<net>& model, const std::vector<float>& frame,
                       tactnet::deployed<net>::workspace& memory) {
     if (const auto found = model.classify(frame, memory))
@@ -74,7 +69,6 @@ bool infer(const tactnet::deployed<net>& fast, std::vector<float>& outputs, tact
 #ifdef CASE_frames_of_other_size
 // expect: deployed: the frame has another number of elements than the network's input; frame_has_size shows found, expected
 // expect: ExpectedElements = 1400; Elements = 1399|frame_has_size<1399UL, 1400UL>
-// at-most: 1
 bool infer(const tactnet::deployed<net>& fast, const std::vector<std::array<std::uint8_t, 1399>>& frames,
            std::vector<float>& outputs, tactnet::thread_pool& pool) {
     return fast.infer(frames, outputs, pool) == tactnet::frame_status::ok;
@@ -84,7 +78,6 @@ bool infer(const tactnet::deployed<net>& fast, const std::vector<std::array<std:
 #ifdef CASE_frames_of_other_type
 // expect: deployed: the elements of a frame are counts, std::uint8_t, or float; frame_has_type shows what was found
 // expect: Element = double|'double' does not satisfy 'frame_has_type'
-// at-most: 1
 auto classify(const tactnet::deployed<net>& fast, const std::vector<double>& frames,
               tactnet::thread_pool& pool) {
     return fast.classify(frames, pool);
@@ -93,9 +86,45 @@ auto classify(const tactnet::deployed<net>& fast, const std::vector<double>& fra
 
 #ifdef CASE_frames_of_views
 // expect: deployed: frames for a pool lie one after the other in memory, which views need not
-// at-most: 1
 bool infer(const tactnet::deployed<net>& fast, const std::vector<std::span<const std::uint8_t, 1400>>& frames,
            std::vector<float>& outputs, tactnet::thread_pool& pool) {
     return fast.infer(frames, outputs, pool) == tactnet::frame_status::ok;
+}
+#endif
+
+#ifdef CASE_outputs_of_other_size
+// expect: deployed: there is room for another number of outputs than the network has; outputs_have_size shows found, expected
+// expect: ExpectedElements = 22; Elements = 21|outputs_have_size<21UL, 22UL>
+bool recognise(const tactnet::deployed<net>& fast, const std::array<std::uint8_t, 28 * 50>& frame) {
+    std::array<float, 21> outputs{};
+    return fast.infer(frame, outputs) == tactnet::frame_status::ok;
+}
+#endif
+
+#ifdef CASE_outputs_of_other_type
+// expect: deployed: outputs are written to float, which must not be const; outputs_have_type shows what was found
+// expect: Element = double|'double' does not satisfy 'outputs_have_type'
+bool recognise(const tactnet::deployed<net>& fast, const std::array<std::uint8_t, 28 * 50>& frame) {
+    std::array<double, 22> outputs{};
+    return fast.infer(frame, outputs) == tactnet::frame_status::ok;
+}
+#endif
+
+#ifdef CASE_outputs_of_temporary
+// expect: deployed: outputs are written to a contiguous container of float that outlives the call
+// at-most: 3
+bool infer(const tactnet::deployed<net>& fast, const std::vector<std::uint8_t>& frames, float* outputs,
+           tactnet::thread_pool& pool) {
+    return fast.infer(frames, outputs, pool) == tactnet::frame_status::ok &&
+           fast.infer(frames, std::vector<float>(22), pool) == tactnet::frame_status::ok &&
+           fast.infer(std::array<float, 1400>(), std::array<float, 22>()) == tactnet::frame_status::ok;
+}
+#endif
+
+#ifdef CASE_outputs_of_unknown_number
+// expect: deployed: the number of these outputs is known at run time only: check it, then pass std::span<float, network::outputs>.outputs.
+bool recognise(const tactnet::deployed<net>& fast, const std::array<std::uint8_t, 28 * 50>& frame) {
+    std::vector<float> outputs(22);
+    return fast.infer(frame, outputs) == tactnet::frame_status::ok;
 }
 #endif

@@ -1,0 +1,128 @@
+#include <tactnet/quantisation.hpp>
+#include <tactnet/tactnet.hpp>
+
+using namespace tactnet;
+
+#ifdef CASE_relu_with_an_upper_bound
+// expect: activation: is_relu is true for a ReLU alone, and this function has other values
+struct bounded_relu_function : relu_function {
+    template <class T>
+    static constexpr T value(T x) {
+        return x < 0 ? T(0) : x < 6 ? x : T(6);
+    }
+};
+
+using net = network<shape{5, 4, 1}, conv2d<2, 3>, activation<bounded_relu_function>, dense<3>>;
+auto deployed = deploy(net{});
+#endif
+
+#ifdef CASE_residual_ends_in_relu
+// expect: deploy: the main branch of a residual block must end in a convolution, with or without batch norm
+// characters: 30000
+using net = network<shape{28, 50}, conv2d<8, 5>, residual<sequence<conv2d<8, 3>, relu>>, dense<22>>;
+const auto made = deploy(net{});
+#endif
+
+#ifdef CASE_sequences_as_frames
+// expect: deploy: a network of sequences runs frame by frame, in single precision: use deploy_stream
+using net = network<shape{20, 1, 3}, gru<8>, last_frame, dense<3>>;
+const auto made = deploy(net{});
+#endif
+
+#ifdef CASE_stream_of_all_frames
+// expect: deploy_stream: this layer does not run frame by frame; runs_in_streams shows it and its input
+// expect: dense<3
+using net = network<shape{20, 1, 3}, gru<8>, dense<3>>;
+const auto made = deploy_stream(net{});
+#endif
+
+#ifdef CASE_unknown_layer
+// expect: deploy: a layer of this kind has no lowering; has_lowering shows it
+// expect: doubling
+struct doubling : relu {};
+
+using net = network<shape{5, 4, 1}, conv2d<2, 3>, doubling, dense<3>>;
+auto deployed = deploy(net{});
+#endif
+
+#ifdef CASE_workspace_too_large_for_stack
+// expect: deployed: this network needs more workspace than a stack should hold: give it some from the heap; fits_stack shows bytes needed, bytes at most
+using net = network<shape{200, 200}, conv2d<16, 1>, dense<1>>;
+
+bool recognise(const deployed<net>& fast, tensor_view<const float, net::input_shape> frame,
+               std::span<float, 1> to) {
+    return fast.infer(frame, to) == frame_status::ok;
+}
+#endif
+
+#ifdef CASE_eight_bit_average_pool_first
+// expect: in 8 bits a network cannot begin with a pool, an upsampling or an activation: a convolution, a dense layer or a batch norm
+// at-most: 2
+using net = network<shape{8, 8}, average_pool<2>, conv2d<4, 3>, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_eight_bit_dilated_conv2d_first
+// expect: in this number format a network cannot begin with a dilated convolution: a convolution, a dense layer or a batch norm must come first
+using net = network<shape{8, 8}, dilated_conv2d<4, 3>, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_eight_bit_gate_first
+// expect: in 8 bits a network cannot begin with a pool, an upsampling or an activation: a convolution, a dense layer or a batch norm
+// at-most: 4
+using net = network<shape{4, 4, 2}, squeeze_excitation<2, 1>, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_eight_bit_group_norm_within
+// expect: deploy: in 8 bits there is no group, instance or layer norm
+// at-most: 2
+using net = network<shape{8, 8}, conv2d<4, 3>, group_norm<2>, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_eight_bit_pool_first
+// expect: in 8 bits a network cannot begin with a pool, an upsampling or an activation: a convolution, a dense layer or a batch norm
+// at-most: 2
+using net = network<shape{8, 8}, max_pool<2>, conv2d<4, 3>, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_eight_bit_relu_first
+// expect: in 8 bits a network cannot begin with a pool, an upsampling or an activation: a convolution, a dense layer or a batch norm
+// at-most: 2
+using net = network<shape{8, 8}, relu, conv2d<4, 3>, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_eight_bit_residual_first
+// expect: in this number format a network cannot begin with a residual block that passes its input on
+// at-most: 3
+using net = network<shape{4, 4, 2}, residual<sequence<conv2d<2, 3>>>, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_eight_bit_sequences
+// expect: deploy: a network of sequences runs frame by frame, in single precision: use deploy_stream
+using net = network<shape{20, 1, 3}, gru<8>, last_frame, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_eight_bit_softmax_within
+// expect: in this number format a softmax must be the last layer
+// at-most: 2
+using net = network<shape{8, 8}, conv2d<4, 3>, softmax, dense<2>>;
+frame_status recognise(const deployed<net, eight_bit>& deployed,
+                       tensor_view<const float, net::input_shape> frame,
+                       std::span<float, net::outputs> logits) {
+    return deployed.infer(frame, logits);
+}
+#endif
+
+#ifdef CASE_eight_bit_upsample_first
+// expect: in 8 bits a network cannot begin with a pool, an upsampling or an activation: a convolution, a dense layer or a batch norm
+// at-most: 2
+using net = network<shape{8, 8}, upsample<2>, conv2d<4, 3>, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
