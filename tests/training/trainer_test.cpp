@@ -11,6 +11,7 @@
 #include <map>
 #include <stdexcept>
 #include <string>
+#include <support/error_of.hpp>
 #include <training/toy_task.hpp>
 #include <vector>
 
@@ -32,6 +33,18 @@ recipe quick() {
 data_split split_of(const support::toy_task& task) {
     return split_data(task.labels, 3, split_rule::random, 1);
 }
+
+struct toy {
+    support::toy_task task;
+    thread_pool threads;
+    recipe how = quick();
+
+    explicit toy(std::size_t each = 20) : task(each) {}
+    training begin(const data_split& split, std::uint64_t seed = 1) {
+        return training(how, task.images(), split, seed, threads);
+    }
+    training begin(std::uint64_t seed = 1) { return begin(split_of(task), seed); }
+};
 
 /// All that a training holds, bit by bit.
 std::vector<char> bits_of(training& t) {
@@ -100,25 +113,24 @@ TEST_CASE("trainer: the same bits on any number of threads and on every run, for
 }
 
 TEST_CASE("trainer: stopped and gone on with, the same bits as in one go") {
-    const support::toy_task task(20);
-    thread_pool threads;
-    recipe r = quick();
-    r.averaging = 0.9;
-    r.patience = 5;
+    toy on;
+    on.how.averaging = 0.9;
+    on.how.patience = 5;
     for (const optimiser& rule : {optimiser(adamw{}), optimiser(sgd{.momentum = 0.8, .l2 = 1e-4})}) {
-        r.optimiser = rule;
-        r.schedule = std::holds_alternative<sgd>(rule) ? schedule(step_drop{2, 0.5}) : schedule(one_cycle{});
-        training whole(r, task.images(), split_of(task), 3, threads);
+        on.how.optimiser = rule;
+        on.how.schedule =
+            std::holds_alternative<sgd>(rule) ? schedule(step_drop{2, 0.5}) : schedule(one_cycle{});
+        training whole = on.begin(3);
         run(whole, 6);
 
-        training first(r, task.images(), split_of(task), 3, threads);
+        training first = on.begin(3);
         run(first, 2);
         std::map<std::string, std::vector<float>> kept;
         first.for_each_state(
             [&](auto name, auto values) { kept[std::string(name)].assign(values.begin(), values.end()); });
         const std::vector<double> progress = first.progress();
 
-        training second(r, task.images(), split_of(task), 3, threads);
+        training second = on.begin(3);
         second.for_each_state([&](auto name, auto values) {
             const std::vector<float>& from = kept.at(std::string(name));
             REQUIRE(from.size() == values.size());
@@ -134,63 +146,37 @@ TEST_CASE("trainer: stopped and gone on with, the same bits as in one go") {
 }
 
 TEST_CASE("trainer: progress that no training with its recipe has is refused, and nothing is changed") {
-    const support::toy_task task(20);
-    thread_pool threads;
-    recipe r = quick();
-    r.epochs = 3;
-    training t(r, task.images(), split_of(task), 3, threads);
+    toy on;
+    on.how.epochs = 3;
+    training t = on.begin(3);
     CHECK_NOTHROW(t.restore(t.progress())); // infinite losses before the first validation
     run(t, 3);
     const std::vector<double> right = t.progress();
     CHECK_NOTHROW(t.restore(right));
     const std::vector<char> before = bits_of(t);
     const auto refused = [&](const std::vector<double>& wrong, const std::string& found) {
-        CAPTURE(found);
-        std::string message;
-        try {
-            t.restore(wrong);
-        } catch (const std::invalid_argument& e) {
-            message = e.what();
-        }
+        const std::string message = support::error_of<std::invalid_argument>([&] { t.restore(wrong); });
+        CAPTURE(message);
         CHECK(message.starts_with("progress of a training"));
         CHECK(message.ends_with(", found " + found));
         CHECK(bits_of(t) == before);
     };
-    const auto with = [&](std::size_t index, double value) {
-        std::vector<double> wrong = right;
-        wrong[index] = value;
-        return wrong;
-    };
-    const double none = std::numeric_limits<double>::quiet_NaN();
-    const double infinite = std::numeric_limits<double>::infinity();
-    refused({}, "0");
-    refused(std::vector<double>(7), "7");
-    for (const std::size_t index : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u, 9u}) { // the last two: one of a pair
-        CAPTURE(index);
-        refused(with(index, -1), "-1.000000");
-        refused(with(index, none), "nan");
-    }
-    for (const std::size_t index : {0u, 4u, 5u, 6u, 7u, 8u, 9u})
-        refused(with(index, infinite), "inf");
-    for (const std::size_t index : {0u, 4u, 5u})
-        refused(with(index, right[index] + 0.5), std::to_string(right[index] + 0.5));
-    refused(with(0, right[0] + 1), std::to_string(right[0] + 1));
-    refused(with(4, 4), "4.000000");
-    std::vector<double> longer = right;
+    // Which numbers no training has, loop_parts_test.cpp shows.
+    std::vector<double> more_steps = right, longer = right;
+    more_steps[0] += 1;
+    refused(more_steps, std::to_string(right[0] + 1));
     longer.insert(longer.end(), right.end() - 4, right.end());
     refused(longer, "4");
+    refused({}, "0");
 }
 
 TEST_CASE("trainer: starts from another network, with its own epsilon and normalisation") {
-    const support::toy_task task(60);
-    thread_pool threads;
-    recipe r = quick();
-    training taught(r, task.images(), split_of(task), 1, threads);
+    toy on{60};
+    training taught = on.begin();
     run(taught, 100);
 
-    r.epsilon = 2e-5;
-    training fresh(r, task.images(), split_of(task), 2, threads),
-        started(r, task.images(), split_of(task), 2, threads);
+    on.how.epsilon = 2e-5;
+    training fresh = on.begin(2), started = on.begin(2);
     started.start_from(taught.best());
     CHECK(std::ranges::equal(started.latest().learnable_values(), taught.best().learnable_values()));
     CHECK(std::ranges::equal(started.best().running_statistics(), taught.best().running_statistics()));
@@ -201,43 +187,29 @@ TEST_CASE("trainer: starts from another network, with its own epsilon and normal
 }
 
 TEST_CASE("trainer: a training that diverges stops and reports it") {
-    const support::toy_task task(20);
-    thread_pool threads;
-    recipe r = quick();
-    r.optimiser = sgd{.momentum = 0.9};
-    r.schedule = constant_rate{};
-    r.rate = 1e30;
-    training t(r, task.images(), split_of(task), 1, threads);
-    std::string message;
-    try {
-        run(t, 10);
-    } catch (const training_diverged& e) {
-        message = e.what();
-    }
+    toy on;
+    on.how.optimiser = sgd{.momentum = 0.9};
+    on.how.schedule = constant_rate{};
+    on.how.rate = 1e30;
+    training t = on.begin();
+    const std::string message = support::error_of<training_diverged>([&] { run(t, 10); });
     CHECK(message.find("training diverged in epoch ") == 0);
     CHECK(message.find("expected a finite loss") != std::string::npos);
 }
 
 TEST_CASE("trainer: a training that diverges in its very last step is reported too") {
-    const support::toy_task task(20);
-    thread_pool threads;
-    recipe r = quick();
-    r.epochs = 1;
-    r.batch = 0; // one step, whose loss is that of the first parameters
-    r.optimiser = sgd{.momentum = 0.9};
-    r.schedule = constant_rate{};
+    toy on;
+    on.how.epochs = 1;
+    on.how.batch = 0; // one step, whose loss is that of the first parameters
+    on.how.optimiser = sgd{.momentum = 0.9};
+    on.how.schedule = constant_rate{};
     const auto message = [&](double rate, const data_split& split) {
-        r.rate = rate;
-        training t(r, task.images(), split, 1, threads);
-        try {
-            t.run_epoch();
-        } catch (const training_diverged& e) {
-            return std::string(e.what());
-        }
-        return std::string();
+        on.how.rate = rate;
+        training t = on.begin(split);
+        return support::error_of<training_diverged>([&] { t.run_epoch(); });
     };
-    data_split split = split_of(task);
-    CHECK(message(1e-3, split).empty());
+    data_split split = split_of(on.task);
+    CHECK(message(1e-3, split) == "no error");
     CHECK(message(1e30, split).find("training diverged in epoch 1, validation: expected a finite loss") == 0);
     CHECK(message(1e300, split).find("training diverged in epoch 1, last step: expected finite parameters") ==
           0);
@@ -247,15 +219,13 @@ TEST_CASE("trainer: a training that diverges in its very last step is reported t
 }
 
 TEST_CASE("trainer: keeps the network that was best on the validation images") {
-    support::toy_task task(20);
-    thread_pool threads;
-    recipe r = quick();
-    r.epochs = 30;
-    const data_split split = split_of(task);
+    toy on;
+    on.how.epochs = 30;
+    const data_split split = split_of(on.task);
     // Some wrong labels: the more a network is sure of what it learnt, the worse it is judged.
     for (std::size_t i = 0; i < split.validation.size(); i += 3)
-        task.labels[split.validation[i]] = (task.labels[split.validation[i]] + 1) % 3;
-    training t(r, task.images(), split, 1, threads);
+        on.task.labels[split.validation[i]] = (on.task.labels[split.validation[i]] + 1) % 3;
+    training t = on.begin(split);
     double smoothed = 0, smallest = 0, loss = 0;
     bool kept_an_older = false, took_a_newer = false;
     std::vector<float> best;
@@ -271,7 +241,7 @@ TEST_CASE("trainer: keeps the network that was best on the validation images") {
         }
         CHECK(std::equal(best.begin(), best.end(), t.best().learnable_values().begin()));
         const evaluation again =
-            evaluate(t.best(), t.input_normalisation(), task.images(), t.split().validation, threads);
+            evaluate(t.best(), t.input_normalisation(), on.task.images(), t.split().validation, on.threads);
         CHECK(again.loss == loss);
     }
     CHECK(kept_an_older); // or nothing was tested
@@ -280,12 +250,10 @@ TEST_CASE("trainer: keeps the network that was best on the validation images") {
 
 TEST_CASE(
     "trainer: statistics measured anew are those of the network that is validated, over images as they are") {
-    const support::toy_task task(20);
-    thread_pool threads;
-    recipe r = quick();
-    r.epochs = 4;
-    r.augmentation = augmentation_rule::each_epoch; // the statistics are not those of varied images
-    r.remeasure_statistics = true;
+    toy on;
+    on.how.epochs = 4;
+    on.how.augmentation = augmentation_rule::each_epoch; // the statistics are not those of varied images
+    on.how.remeasure_statistics = true;
     // Means and variances of batch norms in one batch of all training images.
     const auto measured = [&](const training& t) {
         net network = t.latest();
@@ -294,10 +262,10 @@ TEST_CASE(
         net::output_batch out(t.split().training.size());
         for (std::size_t i = 0; i < in.samples(); ++i)
             in.set(i, t.input_normalisation().apply(
-                          task.images().image<net::input_shape>(t.split().training[i])));
+                          on.task.images().image<net::input_shape>(t.split().training[i])));
         network.momentum = 1;
-        network.prepare(threads, space);
-        network.forward(in, out, threads, space);
+        network.prepare(on.threads, space);
+        network.forward(in, out, on.threads, space);
         return network;
     };
     const auto check = [&](const net& found, const net& expected, std::size_t first, std::size_t count) {
@@ -306,21 +274,21 @@ TEST_CASE(
                   doctest::Approx(expected.running_statistics()[i]).epsilon(1e-4));
     };
     for (const double averaging : {0.0, 0.9}) {
-        r.averaging = averaging;
-        r.batch = 0;
-        data_split split = split_of(task);
-        training whole(r, task.images(), split, 1, threads);
+        on.how.averaging = averaging;
+        on.how.batch = 0;
+        data_split split = split_of(on.task);
+        training whole = on.begin(split);
         run(whole, 4);
         check(whole.latest(), measured(whole), 0, net::statistics);
         CHECK(whole.latest().momentum == net().momentum);
 
         split.validation.clear(); // then it is the network at the end that matters
-        training alone(r, task.images(), split, 1, threads);
+        training alone = on.begin(split);
         run(alone, 4);
         check(alone.best(), measured(alone), 0, net::statistics);
 
-        r.batch = 11; // sizes that differ: 39 images in steps of 9, 10, 10 and 10
-        training small(r, task.images(), split_of(task), 1, threads);
+        on.how.batch = 11; // sizes that differ: 39 images in steps of 9, 10, 10 and 10
+        training small = on.begin();
         run(small, 4);
         // In front of the first batch norm nothing depends on the batch: the mean over batches is that of
         // all.
@@ -331,128 +299,116 @@ TEST_CASE(
 }
 
 TEST_CASE("trainer: a softmax at the end of the list changes nothing in training and evaluation") {
-    const support::toy_task task(20);
-    thread_pool threads;
+    toy on;
     using bare = network<support::toy_task::size, conv2d<4, 3>, relu, max_pool<4>, dense<3>>;
     using ending = network<support::toy_task::size, conv2d<4, 3>, relu, max_pool<4>, dense<3>, softmax>;
-    trainer<bare> first(quick(), task.images(), split_of(task), 1, threads);
-    trainer<ending> second(quick(), task.images(), split_of(task), 1, threads);
+    trainer<bare> first(quick(), on.task.images(), split_of(on.task), 1, on.threads);
+    trainer<ending> second(quick(), on.task.images(), split_of(on.task), 1, on.threads);
     for (int i = 0; i < 3; ++i)
         first.run_epoch(), second.run_epoch();
     CHECK(first.progress() == second.progress());
     const auto values = first.best().learnable_values();
     CHECK(std::equal(values.begin(), values.end(), second.best().learnable_values().begin()));
     const evaluation a =
-        evaluate(first.best(), first.input_normalisation(), task.images(), first.split().test, threads);
-    const evaluation b =
-        evaluate(second.best(), second.input_normalisation(), task.images(), second.split().test, threads);
+        evaluate(first.best(), first.input_normalisation(), on.task.images(), first.split().test, on.threads);
+    const evaluation b = evaluate(second.best(), second.input_normalisation(), on.task.images(),
+                                  second.split().test, on.threads);
     CHECK(a.loss == b.loss);
     CHECK(a.recognised == b.recognised);
 }
 
 TEST_CASE("trainer: validates when due, and stops when nothing gets better") {
-    const support::toy_task task(20);
-    thread_pool threads;
-    recipe r = quick();
-    r.epochs = 7;
-    r.validate_every = 3;
-    training t(r, task.images(), split_of(task), 1, threads);
+    toy on;
+    on.how.epochs = 7;
+    on.how.validate_every = 3;
+    training t = on.begin();
     run(t, 100);
     REQUIRE(t.history().size() == 7);
     for (const epoch_report& e : t.history())
         CHECK(std::isnan(e.validation_loss) == !(e.epoch == 3 || e.epoch == 6 || e.epoch == 7));
 
-    r.epochs = 100;
-    r.validate_every = 1;
-    r.patience = 2;
-    r.rate = 0; // nothing moves but the running statistics, which settle
-    r.augmentation = augmentation_rule::none;
-    r.schedule = constant_rate{};
-    r.batch = 0;
-    training idle(r, task.images(), split_of(task), 1, threads);
+    on.how.epochs = 100;
+    on.how.validate_every = 1;
+    on.how.patience = 2;
+    on.how.rate = 0; // nothing moves but the running statistics, which settle
+    on.how.augmentation = augmentation_rule::none;
+    on.how.schedule = constant_rate{};
+    on.how.batch = 0;
+    training idle = on.begin();
     run(idle, 1000);
     CHECK(idle.finished());
 }
 
 TEST_CASE("trainer: input as counts minus the mean of the training images, scaled, or as they are") {
-    const support::toy_task task(20);
-    thread_pool threads;
-    recipe r = quick();
-    training centred(r, task.images(), split_of(task), 1, threads);
+    toy on;
+    training centred = on.begin();
     CHECK(centred.input_normalisation().scale == 1);
-    const auto mean = normalisation<net::input_shape>::mean_of(task.pixels, centred.split().training);
+    const auto mean = normalisation<net::input_shape>::mean_of(on.task.pixels, centred.split().training);
     CHECK(std::equal(mean.begin(), mean.end(), centred.input_normalisation().mean.begin()));
-    r.input = input_rule::scale;
-    training scaled(r, task.images(), split_of(task), 1, threads);
+    on.how.input = input_rule::scale;
+    training scaled = on.begin();
     CHECK(scaled.input_normalisation().scale == 1.0f / 255);
     CHECK(scaled.input_normalisation().mean(3, 3) == 0);
-    r.input = input_rule::counts;
-    training raw(r, task.images(), split_of(task), 1, threads);
+    on.how.input = input_rule::counts;
+    training raw = on.begin();
     CHECK(raw.input_normalisation().scale == 1);
     CHECK(raw.input_normalisation().mean(3, 3) == 0);
-    r.input = input_rule::scale;
+    on.how.input = input_rule::scale;
     CHECK(centred.samples_per_epoch() == 3 * 13);
-    r.augmentation = augmentation_rule::sixfold;
-    training six(r, task.images(), split_of(task), 1, threads);
+    on.how.augmentation = augmentation_rule::sixfold;
+    training six = on.begin();
     CHECK(six.samples_per_epoch() == 6 * centred.samples_per_epoch());
 }
 
 TEST_CASE("trainer: a network that takes counts wants them scaled, for it knows their scale") {
-    const support::toy_task task(13);
-    thread_pool threads;
+    toy on{13};
     using of_counts = network<support::toy_task::size, square_root<>, dense<3>>;
-    recipe r = quick();
-    r.input = input_rule::scale;
-    CHECK(trainer<of_counts>(r, task.images(), split_of(task), 1, threads).input_normalisation().scale ==
-          1.0f / 255);
-    r.input = input_rule::subtract_mean;
-    CHECK_THROWS_WITH_AS(trainer<of_counts>(r, task.images(), split_of(task), 1, threads),
+    on.how.input = input_rule::scale;
+    CHECK(trainer<of_counts>(on.how, on.task.images(), split_of(on.task), 1, on.threads)
+              .input_normalisation()
+              .scale == 1.0f / 255);
+    on.how.input = input_rule::subtract_mean;
+    CHECK_THROWS_WITH_AS(trainer<of_counts>(on.how, on.task.images(), split_of(on.task), 1, on.threads),
                          "trainer: expected input_rule::scale for a network that takes counts, found "
                          "input_rule::subtract_mean",
                          std::invalid_argument);
-    r.input = input_rule::counts;
-    CHECK_THROWS_WITH_AS(trainer<of_counts>(r, task.images(), split_of(task), 1, threads),
+    on.how.input = input_rule::counts;
+    CHECK_THROWS_WITH_AS(trainer<of_counts>(on.how, on.task.images(), split_of(on.task), 1, on.threads),
                          "trainer: expected input_rule::scale for a network that takes counts, found "
                          "input_rule::counts",
                          std::invalid_argument);
 }
 
 TEST_CASE("trainer: refuses a split without training images") {
-    const support::toy_task task(4);
-    thread_pool threads;
-    CHECK_THROWS_AS(training(quick(), task.images(), data_split{{}, {0}, {1}}, 1, threads),
-                    std::invalid_argument);
+    toy on{4};
+    CHECK_THROWS_AS(on.begin(data_split{{}, {0}, {1}}), std::invalid_argument);
 }
 
 TEST_CASE("trainer: refuses the split of other images, whatever part of it does not fit") {
-    const support::toy_task task(4);
-    thread_pool threads;
+    toy on{4};
     const char* const told = "images: expected indices below 12 in the split, found 12";
-    CHECK_NOTHROW(training(quick(), task.images(), data_split{{0, 11}, {11}, {}}, 1, threads));
-    CHECK_THROWS_WITH_AS(training(quick(), task.images(), data_split{{0, 12}, {1}, {}}, 1, threads), told,
-                         std::invalid_argument);
-    CHECK_THROWS_WITH_AS(training(quick(), task.images(), data_split{{0}, {12}, {}}, 1, threads), told,
-                         std::invalid_argument);
+    CHECK_NOTHROW(on.begin(data_split{{0, 11}, {11}, {}}));
+    CHECK_THROWS_WITH_AS(on.begin(data_split{{0, 12}, {1}, {}}), told, std::invalid_argument);
+    CHECK_THROWS_WITH_AS(on.begin(data_split{{0}, {12}, {}}), told, std::invalid_argument);
     const std::vector<std::size_t> test{12};
-    CHECK_THROWS_WITH_AS(static_cast<void>(evaluate(net(), {}, task.images(), test, threads)), told,
+    CHECK_THROWS_WITH_AS(static_cast<void>(evaluate(net(), {}, on.task.images(), test, on.threads)), told,
                          std::invalid_argument);
 }
 
 TEST_CASE("trainer: images that do not fit the network are refused, in training and in evaluation") {
-    const support::toy_task task(5);
-    thread_pool threads;
+    toy on{5};
     const auto refused = [&](const labelled_images& images, recipe how = quick()) {
-        CHECK_THROWS_AS(training(how, images, split_of(task), 1, threads), std::invalid_argument);
+        CHECK_THROWS_AS(training(how, images, split_of(on.task), 1, on.threads), std::invalid_argument);
         if (how.validate_every > 0)
-            CHECK_THROWS_AS(static_cast<void>(evaluate(net(), {}, images, {}, threads)),
+            CHECK_THROWS_AS(static_cast<void>(evaluate(net(), {}, images, {}, on.threads)),
                             std::invalid_argument);
     };
-    refused({task.pixels, task.labels, 4}); // more classes than outputs
-    refused({task.pixels, task.labels, 2}); // a label that is no class
-    refused({task.pixels, task.labels, 0});
-    refused({std::span(task.pixels).first(task.pixels.size() - 1), task.labels, 3});
+    refused({on.task.pixels, on.task.labels, 4}); // more classes than outputs
+    refused({on.task.pixels, on.task.labels, 2}); // a label that is no class
+    refused({on.task.pixels, on.task.labels, 0});
+    refused({std::span(on.task.pixels).first(on.task.pixels.size() - 1), on.task.labels, 3});
     recipe never = quick();
     never.validate_every = 0;
-    refused(task.images(), never);
-    CHECK_NOTHROW(training(quick(), task.images(), split_of(task), 1, threads));
+    refused(on.task.images(), never);
+    CHECK_NOTHROW(on.begin());
 }

@@ -18,6 +18,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <support/error_of.hpp>
 #include <type_traits>
 #include <vector>
 
@@ -63,16 +64,11 @@ TEST_CASE("labelled_samples: images as their counts, features as they are") {
 
 TEST_CASE("labelled_samples: what does not fit a network is an error with the numbers") {
     const auto problem_of = [](const labelled_samples& samples, std::size_t outputs) {
-        try {
-            samples.check(size, outputs);
-        } catch (const std::invalid_argument& error) {
-            return std::string(error.what());
-        }
-        return std::string();
+        return support::error_of<std::invalid_argument>([&] { samples.check(size, outputs); });
     };
-    CHECK(problem_of(labelled_images{pixels, labels, 2}, 2).empty());
-    CHECK(problem_of(labelled_images{{}, {}, 1}, 1).empty());
-    CHECK(problem_of(labelled_features{values, labels, 2}, 3).empty());
+    CHECK(problem_of(labelled_images{pixels, labels, 2}, 2) == "no error");
+    CHECK(problem_of(labelled_images{{}, {}, 1}, 1) == "no error");
+    CHECK(problem_of(labelled_features{values, labels, 2}, 3) == "no error");
     CHECK(problem_of(labelled_features{values, labels, 2}, 1) ==
           "features: expected 1 to 1 classes, found 2");
     CHECK(problem_of(labelled_images{pixels, labels, 0}, 3) == "images: expected 1 to 3 classes, found 0");
@@ -81,7 +77,7 @@ TEST_CASE("labelled_samples: what does not fit a network is an error with the nu
     std::vector<std::size_t> with_outlier(labels.begin(), labels.end());
     with_outlier.front() = no_class;
     const labelled_features outliers{values, with_outlier, 2};
-    CHECK(problem_of(outliers, 2).empty());
+    CHECK(problem_of(outliers, 2) == "no error");
     const std::vector<std::size_t> known{1}, all{1, 0};
     CHECK_NOTHROW(labelled_samples(outliers).check_classes(known));
     CHECK_THROWS_WITH_AS(labelled_samples(outliers).check_classes(all),
@@ -213,14 +209,9 @@ TEST_CASE("images_as_taken: images of another number or for another size are ref
     const varied v;
     labelled_images images = v.images;
     const auto problem_of = [&] {
-        try {
-            labelled_samples(images).check(small, 3);
-        } catch (const std::invalid_argument& error) {
-            return std::string(error.what());
-        }
-        return std::string();
+        return support::error_of<std::invalid_argument>([&] { labelled_samples(images).check(small, 3); });
     };
-    CHECK(problem_of().empty());
+    CHECK(problem_of() == "no error");
     images.taken.pixels = images.taken.pixels.first(100);
     CHECK(problem_of() == "images: expected 1092 pixels of images as taken, found 100");
     images.taken = images_as_taken::of<taken, shape{5, 7}>(v.task.pixels);
