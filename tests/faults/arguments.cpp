@@ -14,6 +14,11 @@ namespace {
 
 using namespace std::string_literals;
 
+words words_of(const std::string& text) {
+    std::istringstream in(text);
+    return {std::istream_iterator<std::string>(in), {}};
+}
+
 /// An option and its value, in the place of the one that the command has or at its end.
 words with(words command, const std::string& option, const std::string& value) {
     const auto found = std::find(command.begin(), command.end(), option);
@@ -40,23 +45,8 @@ finding must_refuse(scene& s, const words& command, const std::string& what) {
 }
 
 finding number(scene& s) {
-    const std::array values{"nan"s,
-                            "inf"s,
-                            "-inf"s,
-                            "-1"s,
-                            "1e999"s,
-                            ""s,
-                            " "s,
-                            "5x"s,
-                            "--5"s,
-                            "1 2"s,
-                            "-0.5"s,
-                            "\n"s,
-                            "٣"s,
-                            "1e-"s,
-                            "+ 1"s,
-                            "true"s,
-                            "99999999999999999999999999"s};
+    words values = words_of("nan inf -inf -1 1e999 5x --5 -0.5 ٣ 1e- true");
+    values.insert(values.end(), {"", " ", "1 2", "\n", "+ 1", "99999999999999999999999999"});
     const words train = s.made.train({"--epochs", "2", "--output", "out"}),
                 evaluate = s.made.evaluate({"--results", "out"}), simulate = s.made.simulate("out");
     const std::vector<std::pair<words, words>> takers{
@@ -100,11 +90,6 @@ finding equal_names(scene& s) {
             {"--epochs", "2", "--start", name, "--output", "new", "--checkpoint", other, "--afresh"}),
     };
     return must_refuse(s, s.one_of(commands), "equal names");
-}
-
-words words_of(const std::string& text) {
-    std::istringstream in(text);
-    return {std::istream_iterator<std::string>(in), {}};
 }
 
 /// Words in any order: they may mean something, or not.
@@ -214,36 +199,12 @@ finding strange_input(scene& s) {
 
 finding strange_output(scene& s) {
     s.bring("net");
-    const std::array names{"|touch hacked;"s,
-                           "<touch hacked;"s,
-                           "-x"s,
-                           "--output"s,
-                           "a\nb"s,
-                           "$(touch hacked)"s,
-                           "`touch hacked`"s,
-                           "a'b"s,
-                           "a\"b"s,
-                           "a b"s,
-                           "a\\b"s,
-                           "\xff\xfe"s,
-                           "ä"s,
-                           "%s%n"s,
-                           "a;touch hacked"s,
-                           "!touch hacked"s,
-                           "\x1b[2J"s,
-                           "."s,
-                           ".."s,
-                           "a/"s,
-                           ".hidden"s,
-                           std::string(255, 'n'),
-                           std::string(300, 'n'),
-                           "\t"s,
-                           "*"s,
-                           "'; system 'touch hacked"s,
-                           "@x"s,
-                           "net.confusion.png"s,
-                           "a\rb"s,
-                           "#x"s};
+    words names = words_of(
+        "-x --output a'b a\"b a\\b \xff\xfe ä %s%n \x1b[2J . .. a/ .hidden * @x #x net.confusion.png");
+    names.insert(names.end(),
+                 {"|touch hacked;", "<touch hacked;", "a\nb", "$(touch hacked)", "`touch hacked`", "a b",
+                  "a;touch hacked", "!touch hacked", "'; system 'touch hacked", "\t", "a\rb",
+                  std::string(255, 'n'), std::string(300, 'n')});
     const std::string name = s.one_of(names);
     const std::vector<words> writers{
         s.made.train({"--epochs", std::to_string(epochs), "--output=" + name}),
