@@ -30,6 +30,17 @@ file_metadata example() {
     return metadata;
 }
 
+/// Of one class, with nothing that may be missing.
+model_description least() {
+    return {.network = {},
+            .rows = 4,
+            .columns = 6,
+            .classes = {"cable"},
+            .epsilon = {},
+            .subtracts_mean = false,
+            .scale = {}};
+}
+
 } // namespace
 
 TEST_CASE("model_description: what was added is read back, number for number") {
@@ -47,14 +58,9 @@ TEST_CASE("model_description: what was added is read back, number for number") {
 
 TEST_CASE("model_description: the temperature of calibrated probabilities, where there is one") {
     file_metadata metadata;
-    add_description(metadata, {.network = {},
-                               .rows = 4,
-                               .columns = 6,
-                               .classes = {"cable"},
-                               .epsilon = {},
-                               .subtracts_mean = false,
-                               .scale = {},
-                               .temperature = 2.0 / 3});
+    model_description calibrated = least();
+    calibrated.temperature = 2.0 / 3;
+    add_description(metadata, calibrated);
     CHECK(describe_model(file_of(metadata)).temperature == 2.0 / 3);
     metadata["format"] = "pt"; // another program's word
     CHECK_FALSE(describe_model(file_of(metadata)).temperature);
@@ -62,14 +68,9 @@ TEST_CASE("model_description: the temperature of calibrated probabilities, where
 
 TEST_CASE("model_description: of 8 bits it needs no epsilon and no scale") {
     file_metadata metadata;
-    add_description(metadata, {.network = {},
-                               .rows = 4,
-                               .columns = 6,
-                               .classes = {"cable"},
-                               .epsilon = {},
-                               .subtracts_mean = false,
-                               .scale = {},
-                               .bits = 8});
+    model_description bytes = least();
+    bytes.bits = 8;
+    add_description(metadata, bytes);
     CHECK(metadata.at("bits") == "8");
     CHECK(metadata.size() == 7);
     const model_description d = describe_model(file_of(metadata));

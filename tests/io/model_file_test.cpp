@@ -250,16 +250,6 @@ TEST_CASE("model_file: the same without the network's type") {
         file_error);
 }
 
-TEST_CASE("model_file: one cut short, at any byte") {
-    const support::temporary_folder folder;
-    save_model(folder / "m.safetensors", example(), {}, images(1));
-    const auto bytes = read_file(folder / "m.safetensors");
-    for (std::size_t length = 0; length < bytes.size(); length += 7)
-        CHECK_THROWS_AS(static_cast<void>(safetensors::parse(
-                            {bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(length)}, "cut")),
-                        file_error);
-}
-
 TEST_CASE("model_file: the published TactNet-4 gives the published logits" * doctest::test_suite("data")) {
     const auto weights = support::find_data("published_tactnet4_14x25.safetensors");
     const auto golden = support::find_data("published_tactnet4_14x25_golden.safetensors");

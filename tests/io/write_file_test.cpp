@@ -1,3 +1,4 @@
+#include <tactnet/io/partial_file.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/write_file.hpp>
 
@@ -5,6 +6,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <csignal>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -15,23 +18,27 @@
 #include <string_view>
 #include <support/error_of.hpp>
 #include <support/files/temporary_folder.hpp>
+#include <sys/wait.h>
+#include <thread>
 #include <type_traits>
+#include <unistd.h>
 #include <vector>
 
 #if defined(__linux__)
-#include <csignal>
 #include <sys/resource.h>
+#endif
+#if defined(__linux__)
 #include <sys/stat.h>
 #include <unistd.h>
 #endif
+
+namespace {
 
 using tactnet::file_error;
 using tactnet::read_file;
 using tactnet::write_file;
 
 static_assert(std::is_nothrow_copy_constructible_v<file_error>);
-
-namespace {
 
 std::string text_of(const std::filesystem::path& path) {
     const auto bytes = read_file(path);
@@ -45,8 +52,6 @@ std::ptrdiff_t entries_in(const std::filesystem::path& folder) {
 std::string error_of(const auto& action) {
     return support::error_of<file_error>(action);
 }
-
-} // namespace
 
 TEST_CASE("write_file: what was written is read") {
     const support::temporary_folder folder;
@@ -154,3 +159,143 @@ TEST_CASE("write_file: a write that fails half-way leaves the old file and no ot
     CHECK(entries_in(folder.path()) == 1);
 }
 #endif
+
+TEST_CASE("read_file: each failure has its message") {
+    const support::temporary_folder folder;
+    const std::string missing = (folder / "missing").string();
+    CHECK(error_of([&] { read_file(missing); }) == missing + ": expected a file, found nothing of that name");
+    CHECK(error_of([&] { read_file(folder.path()); }) ==
+          folder.path().string() + ": expected a file, found a folder");
+    CHECK(error_of([&] { read_file(folder / "missing" / "file"); }).find("nothing of that name") !=
+          std::string::npos);
+    const auto file = folder / "file";
+    write_file(file, std::string_view("12345"));
+    CHECK(error_of([&] { read_file(file / "below"); }) != "no error");
+    CHECK(read_file(file, 5).size() == 5);
+    CHECK(error_of([&] { read_file(file, 4); }) ==
+          file.string() + ": expected at most 4 bytes, found 5 bytes");
+    CHECK(error_of([&] { read_file(""); }) != "no error");
+}
+
+TEST_CASE("read_file: a file is named by text of any type or by a path") {
+    const support::temporary_folder folder;
+    const std::filesystem::path path = folder / "näme";
+    write_file(path, std::string_view("12345"));
+    const std::string name = path.string();
+    CHECK(read_file(path).size() == 5);
+    CHECK(read_file(name).size() == 5);
+    CHECK(read_file(name.c_str()).size() == 5);
+    CHECK(read_file(std::string_view(name)).size() == 5);
+    CHECK(tactnet::file_name(path).string() == name);
+}
+
+#if defined(__linux__)
+TEST_CASE("read_file: a file that is too large is refused before it is read") {
+    const support::temporary_folder folder;
+    const auto file = folder / "file";
+    constexpr std::size_t limit = 4'000'000;
+    write_file(file, std::string_view());
+    std::filesystem::resize_file(file, 10 * limit); // holes: takes no room on the disk
+    // Bytes that this process has read, of whatever kind.
+    const auto bytes_read = [] {
+        std::ifstream counters("/proc/self/io");
+        std::string name;
+        std::size_t count = 0;
+        counters >> name >> count;
+        return count;
+    };
+    const std::size_t before = bytes_read();
+    CHECK(error_of([&] { read_file(file, limit); }) ==
+          file.string() + ": expected at most 4000000 bytes, found 40000000 bytes");
+    CHECK(bytes_read() - before < limit / 2);
+}
+
+TEST_CASE(
+    "read_file: a named pipe is refused, since nobody may ever write to it; one between programs is read") {
+    const support::temporary_folder folder;
+    const auto pipe_file = folder / "pipe", link = folder / "link";
+    REQUIRE(mkfifo(pipe_file.c_str(), 0600) == 0);
+    std::filesystem::create_symlink("pipe", link);
+    for (const auto& path : {pipe_file, link})
+        CHECK(error_of([&] { read_file(path); }) == path.string() + ": expected a file, found a named pipe");
+    int ends[2] = {-1, -1};
+    REQUIRE(pipe(ends) == 0);
+    REQUIRE(write(ends[1], "some", 4) == 4);
+    close(ends[1]);
+    CHECK(text_of("/dev/fd/" + std::to_string(ends[0])) == "some");
+    close(ends[0]);
+}
+#endif
+
+std::size_t partial_files_in(const std::filesystem::path& folder) {
+    const std::filesystem::directory_iterator entries(folder);
+    return static_cast<std::size_t>(std::count_if(begin(entries), end(entries), [](const auto& entry) {
+        return tactnet::is_partial_file_name(entry.path().filename().string());
+    }));
+}
+
+TEST_CASE("is_partial_file_name: those of write_file, and no others") {
+    CHECK(tactnet::is_partial_file_name(tactnet::detail::partial_name("folder").filename().string()));
+    CHECK(tactnet::is_partial_file_name(".tactnet-1-0.partial"));
+    for (const char* other :
+         {"", ".tactnet-.partial", ".tactnet-1.partial", ".tactnet--1.partial", ".tactnet-1-.partial",
+          ".tactnet-1-2-3.partial", ".tactnet-1-a.partial", "tactnet-1-2.partial", ".tactnet-1-2.partial2",
+          "x.tactnet-1-2.partial", ".tactnet-partial", "net.safetensors"})
+        CHECK_MESSAGE(!tactnet::is_partial_file_name(other), other);
+}
+
+TEST_CASE("remove_abandoned_files: what a killed writer left goes, what is being written stays") {
+    const support::temporary_folder folder;
+    for (const char* name : {".tactnet-12-0.partial", ".tactnet-12-1.partial", ".tactnet-notes", "net"})
+        tactnet::write_file(folder / name, "x");
+    std::filesystem::create_directory(folder / ".tactnet-12-2.partial");
+    CHECK(tactnet::remove_abandoned_files(folder.path()) == 2);
+    CHECK(tactnet::remove_abandoned_files(folder.path()) == 0);
+    for (const char* name : {".tactnet-notes", "net", ".tactnet-12-2.partial"})
+        CHECK_MESSAGE(std::filesystem::exists(folder / name), name);
+    CHECK(tactnet::remove_abandoned_files(folder / "nothing") == 0);
+
+    // A writer that stands still with its file open, and is then killed.
+    const std::filesystem::path partial = tactnet::detail::partial_name(folder.path());
+    int made[2];
+    REQUIRE(pipe(made) == 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        tactnet::detail::writer_mark mark;
+        {
+            const auto file = tactnet::detail::open_file(partial, "wbx");
+            static_cast<void>(mark.set(file.get()));
+        } // the mark outlives the file
+        static_cast<void>(write(made[1], "x", 1));
+        for (;;)
+            pause();
+    }
+    char byte = 0;
+    REQUIRE(read(made[0], &byte, 1) == 1);
+    CHECK(tactnet::remove_abandoned_files(folder.path()) == 0);
+    CHECK(std::filesystem::exists(partial));
+    kill(child, SIGKILL);
+    waitpid(child, nullptr, 0);
+    CHECK(tactnet::remove_abandoned_files(folder.path()) == 1);
+    CHECK_FALSE(std::filesystem::exists(partial));
+    close(made[0]);
+    close(made[1]);
+}
+
+TEST_CASE("remove_abandoned_files: no file of a concurrent writer is lost") {
+    const support::temporary_folder folder;
+    std::atomic<bool> done = false;
+    std::thread tidies([&] {
+        while (!done)
+            tactnet::remove_abandoned_files(folder.path());
+    });
+    for (int i = 0; i < 300; ++i)
+        CHECK_NOTHROW(tactnet::write_file(folder / std::to_string(i), "bytes"));
+    done = true;
+    tidies.join();
+    CHECK(partial_files_in(folder.path()) == 0);
+    for (int i = 0; i < 300; ++i)
+        CHECK(std::filesystem::file_size(folder / std::to_string(i)) == 5);
+}
+
+} // namespace

@@ -1,11 +1,17 @@
 #include <tactnet/io/images/folder.hpp>
+#include <tactnet/io/images/set.hpp>
 #include <tactnet/io/read_file.hpp>
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <iterator>
+#include <sstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <support/error_of.hpp>
@@ -18,17 +24,16 @@
 #include <sys/stat.h>
 #endif
 
+namespace {
+
 using support::touch;
 using tactnet::file_error;
 using tactnet::list_image_folder;
-
-namespace {
+using tactnet::natural_less;
 
 std::string error_of(const std::filesystem::path& root) {
     return support::error_of<file_error>([&] { list_image_folder(root); });
 }
-
-} // namespace
 
 TEST_CASE("image_folder: classes by their bytes, files in natural order, everything else passed over") {
     const support::temporary_folder folder;
@@ -141,39 +146,14 @@ TEST_CASE("image_folder: the real recordings" * doctest::test_suite("data")) {
     }
 }
 
-using tactnet::natural_less;
-
 TEST_CASE("natural_less: runs of digits count as numbers") {
     // Each comes before all that follow it, and after none.
-    const std::vector<std::string> ordered{"",
-                                           "0",
-                                           "00",
-                                           "01",
-                                           "1",
-                                           "2",
-                                           "010",
-                                           "10",
-                                           "a",
-                                           "a0",
-                                           "a1",
-                                           "a1b",
-                                           "a2",
-                                           "a2a",
-                                           "a2b1",
-                                           "a2b10",
-                                           "a10",
-                                           "a10.jpg",
-                                           "b",
-                                           "key",
-                                           "key1.jpg",
-                                           "key02.jpg",
-                                           "key2.jpg",
-                                           "key10.jpg",
-                                           "key99999999999999999999998.jpg",
-                                           "key99999999999999999999999.jpg",
-                                           "key100000000000000000000000.jpg",
-                                           "key_1",
-                                           "\xC3\xA9"};
+    std::istringstream words(
+        "0 00 01 1 2 010 10 a a0 a1 a1b a2 a2a a2b1 a2b10 a10 a10.jpg b key key1.jpg key02.jpg key2.jpg "
+        "key10.jpg key99999999999999999999998.jpg key99999999999999999999999.jpg "
+        "key100000000000000000000000.jpg key_1 \xC3\xA9");
+    std::vector<std::string> ordered{""};
+    ordered.insert(ordered.end(), std::istream_iterator<std::string>(words), {});
     for (std::size_t i = 0; i < ordered.size(); ++i)
         for (std::size_t j = 0; j < ordered.size(); ++j) {
             CAPTURE(ordered[i]);
@@ -187,3 +167,62 @@ TEST_CASE("natural_less: runs of digits count as numbers") {
     CHECK(natural_less("a1b", "a01c"));
     CHECK(natural_less("1", "02"));
 }
+
+/// Stands for a decoder: the file's first two characters are rows and columns, each pixel the third.
+tactnet::grey_image decode_digits(const std::filesystem::path& path) {
+    const auto bytes = tactnet::read_file(path);
+    const auto digit = [&](std::size_t i) { return static_cast<std::size_t>(bytes.at(i)) - '0'; };
+    return {digit(0), digit(1),
+            std::vector<std::uint8_t>(digit(0) * digit(1), static_cast<std::uint8_t>(digit(2)))};
+}
+
+TEST_CASE("load_images: image after image, in the order of the folder") {
+    const support::temporary_folder folder;
+    touch(folder / "a" / "1.jpg", "234");
+    touch(folder / "a" / "2.jpg", "235");
+    touch(folder / "b" / "1.jpg", "236");
+    const auto listed = list_image_folder(folder.path());
+    const auto set = tactnet::load_images(listed, 2, 3, decode_digits);
+    CHECK(set.rows == 2);
+    CHECK(set.columns == 3);
+    CHECK(set.size() == 3);
+    CHECK(set.labels == std::vector<std::size_t>{0, 0, 1});
+    CHECK(set.classes == std::vector<std::string>{"a", "b"});
+    CHECK(set.paths.at(1) == folder / "a" / "2.jpg");
+    REQUIRE(set.pixels.size() == 18);
+    CHECK(std::ranges::count(set.image(1), 5) == 6);
+    CHECK(std::ranges::count(set.pixels, 6) == 6);
+
+    SUBCASE("another size is an error that names the file") {
+        touch(folder / "b" / "2.jpg", "327");
+        const auto mixed = list_image_folder(folder.path());
+        CHECK(support::error_of<file_error>([&] { tactnet::load_images(mixed, 2, 3, decode_digits); }) ==
+              (folder / "b" / "2.jpg").string() +
+                  ": expected 2 x 3 pixels (rows x columns), found 3 x 2 pixels (rows x columns)");
+    }
+    SUBCASE("unless it is to be resized") {
+        touch(folder / "b" / "2.jpg", "327");
+        const auto mixed = list_image_folder(folder.path());
+        int calls = 0;
+        const auto resized = tactnet::load_images(mixed, 2, 3, decode_digits, [&](tactnet::grey_image image) {
+            ++calls;
+            CHECK(image.rows == 3);
+            return tactnet::grey_image{2, 3, std::vector<std::uint8_t>(6, 99)};
+        });
+        CHECK(calls == 1);
+        CHECK(resized.size() == 4);
+        CHECK(resized.image(3)[5] == 99);
+    }
+    SUBCASE("what a decoder throws goes through") {
+        std::filesystem::remove(folder / "a" / "2.jpg");
+        CHECK_THROWS_AS(tactnet::load_images(listed, 2, 3, decode_digits), file_error);
+    }
+    SUBCASE("a decoder that contradicts itself is a mistake of the program") {
+        const auto wrong = [](const std::filesystem::path&) {
+            return tactnet::grey_image{2, 3, std::vector<std::uint8_t>(5)};
+        };
+        CHECK_THROWS_AS(tactnet::load_images(listed, 2, 3, wrong), std::logic_error);
+    }
+}
+
+} // namespace
