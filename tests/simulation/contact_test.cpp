@@ -112,8 +112,7 @@ TEST_CASE("winkler: nothing to press, or nothing that presses") {
     const few ball = heights_of<few_tactels>(pitch, support::sphere(0.02));
     for (const float none : {infinite, -infinite, broken}) {
         few nowhere;
-        for (float& height : nowhere)
-            height = none;
+        std::ranges::fill(nowhere, none);
         check_nothing(nowhere, pressing::to_force(1), false);
         check_nothing(nowhere, pressing::to_depth(1e-3), false);
         check_nothing(nowhere, pressing::to_force(0), true);
@@ -136,8 +135,7 @@ TEST_CASE("winkler: an impossible modulus makes a rigid object") {
 
 TEST_CASE("winkler: one cell, and all of them") {
     few needle;
-    for (float& height : needle)
-        height = infinite;
+    std::ranges::fill(needle, infinite);
     needle(12, 16) = -0.3f;
     const auto one = press(foam, pitch, needle, pressing::to_force(2));
     CHECK(one.report.cells == 1);

@@ -150,22 +150,16 @@ void check_hard_cases(const Model& model) {
     };
     // Nothing to press, or nothing that presses.
     map nowhere;
-    for (float& height : nowhere)
-        height = infinite;
-    check_nothing(found(nowhere, pressing::to_force(1)), false);
-    check_nothing(found(nowhere, pressing::to_depth(1)), false);
-    check_nothing(found(nowhere, pressing::to_force(0)), true);
-    for (float& height : nowhere)
-        height = std::numeric_limits<float>::quiet_NaN();
-    check_nothing(found(nowhere, pressing::to_force(1)), false);
-    for (float& height : nowhere)
-        height = -infinite;
-    check_nothing(found(nowhere, pressing::to_force(1)), false);
-    check_nothing(found(ball, pressing::to_force(0)), true);
-    check_nothing(found(ball, pressing::to_force(-3)), true);
-    check_nothing(found(ball, pressing::to_depth(0)), true);
-    check_nothing(found(ball, pressing::to_depth(-1e-3)), true);
-    check_nothing(found(ball, pressing::to_force(std::numeric_limits<double>::quiet_NaN())), true);
+    for (const float none : {infinite, std::numeric_limits<float>::quiet_NaN(), -infinite}) {
+        std::ranges::fill(nowhere, none);
+        check_nothing(found(nowhere, pressing::to_force(1)), false);
+        check_nothing(found(nowhere, pressing::to_depth(1)), false);
+        check_nothing(found(nowhere, pressing::to_force(0)), true);
+    }
+    for (const double amount : {0.0, -3.0, std::numeric_limits<double>::quiet_NaN()}) {
+        check_nothing(found(ball, pressing::to_force(amount)), true);
+        check_nothing(found(ball, pressing::to_depth(amount)), true);
+    }
     check_nothing(found(ball, pressing::to_force(std::numeric_limits<double>::infinity())), false);
 
     // Extremes: all of the array bears a giant, and one cell or few a speck of dust.
@@ -183,8 +177,7 @@ void check_hard_cases(const Model& model) {
     check_sane(found(ball, pressing::to_depth(1e-30)));
 
     map needle;
-    for (float& height : needle)
-        height = infinite;
+    std::ranges::fill(needle, infinite);
     needle(13, 20) = 0.001f;
     const auto one = found(needle, pressing::to_force(2));
     check_sane(one);
