@@ -18,7 +18,7 @@ using namespace tactnet;
 using tactnet::scan_number;
 
 std::span<const std::byte> bytes_of(std::string_view text) {
-    return std::as_bytes(std::span(text));
+    return std::as_bytes(std::span(text.data(), text.size()));
 }
 
 struct taken_line {
