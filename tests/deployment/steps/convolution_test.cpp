@@ -6,8 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deployment/deployed_network.hpp>
-#include <support/guarded_map.hpp>
-#include <support/layers/window_of.hpp>
+#include <support/frame_convolution.hpp>
 #include <vector>
 
 // What no network of the library asks for yet: outputs among the channels of a wider map, and groups.
@@ -21,65 +20,36 @@ using kernels::frame_convolution;
 template <frame_convolution C>
 using step_of = convolution_step<single_precision, C>;
 
-struct random_map {
-    std::vector<double> exact; ///< [channel][row][column]
-    support::guarded_map laid;
-};
-
-/// Numbers in a map whose pixels are `stride` elements apart, zeros after their channels.
-random_map make_map(shape size, std::size_t stride, std::uint64_t seed) {
-    random_map map{std::vector<double>(size.size()), support::guarded_map(size.area() * stride, 777, 0.0f)};
-    support::numbers draw(seed);
-    for (std::size_t c = 0; c < size.channels; ++c)
-        for (std::size_t p = 0; p < size.area(); ++p) {
-            const float value = draw.next(-1, 1);
-            map.laid.data()[p * stride + c] = value;
-            map.exact[c * size.area() + p] = static_cast<double>(value);
-        }
-    return map;
-}
-
+/// The folded numbers of a step, and what it needs to run with them.
 template <class Step>
 struct numbers_of {
-    std::vector<float> folded = std::vector<float>(Step::folded_elements);
     aligned_vector<float> packed = aligned_vector<float>(Step::packed_elements);
     aligned_vector<float> scratch = aligned_vector<float>(Step::workspace_elements + 1);
 
-    explicit numbers_of(std::uint64_t seed) {
-        support::numbers draw(seed);
-        for (float& value : folded)
-            value = draw.next(-1, 1);
+    explicit numbers_of(const support::convolution_numbers& numbers) {
+        std::vector<float> folded(numbers.weights.begin(), numbers.weights.end());
+        folded.insert(folded.end(), numbers.bias.begin(), numbers.bias.end());
+        REQUIRE(folded.size() == Step::folded_elements);
         Step::pack(folded.data(), packed.data());
     }
+    void run(support::guarded_map& in, support::guarded_map& to) {
+        Step::run(packed.data(), in.data(), to.data(), scratch.data());
+        CHECK(to.untouched());
+    }
 };
-
-/// A channel of the output by plain sums: group by group.
-template <frame_convolution C>
-support::sample expected_of(const std::vector<double>& in, const std::vector<float>& folded,
-                            tactnet::extent2d tiled) {
-    const std::size_t weights = C.filters * C.taps();
-    support::sample exact(in.size()), biases(C.filters);
-    for (std::size_t i = 0; i < in.size(); ++i)
-        exact[i].value = in[i];
-    for (std::size_t f = 0; f < C.filters; ++f)
-        biases[f].value = static_cast<double>(folded[weights + f]);
-    const std::vector<double> own(folded.begin(), folded.begin() + static_cast<std::ptrdiff_t>(weights));
-    return support::bounded_convolution(support::window_of(C.window), C.filters, own, biases, exact, nullptr,
-                                        {tiled.rows, tiled.columns}, C.groups);
-}
 
 template <frame_convolution C>
 support::error_shares errors_of_step(std::uint64_t seed) {
     using step = step_of<C>;
-    random_map in = make_map(C.window.input, C.input_stride, seed);
-    numbers_of<step> numbers(seed + 1);
-    support::guarded_map out(step::output.area() * step::output_stride, 555, NAN);
-    step::run(numbers.packed.data(), in.laid.data(), out.data(), numbers.scratch.data());
+    static_assert(step::output_stride == C.output_stride() &&
+                  step::output.area() == C.output_rows() * C.output_columns());
+    support::convolution_numbers numbers(C, 1, seed, 0.0f);
+    support::guarded_map out = numbers.fresh_outputs();
+    numbers_of<step>(numbers).run(numbers.laid_inputs, out);
     std::vector<float> found;
     for (std::size_t f = 0; f < C.filters; ++f)
         for (std::size_t p = 0; p < step::output.area(); ++p)
             found.push_back(out.data()[p * step::output_stride + C.map_offset + f]);
-    CHECK(out.untouched());
     // Behind the last channel a map of its own holds zeros; of a wider one the rest is not the step's.
     std::size_t wrong = 0;
     for (std::size_t p = 0; p < step::output.area(); ++p)
@@ -89,7 +59,7 @@ support::error_shares errors_of_step(std::uint64_t seed) {
                 wrong += C.map_stride > 0 ? !std::isnan(value) : value != 0;
         }
     CHECK(wrong == 0);
-    return support::shares_of(found, expected_of<C>(in.exact, numbers.folded, step::method::tile));
+    return support::shares_of(found, numbers.expected(0, step::method::tile));
 }
 
 constexpr sliding_window over(shape input, extent2d kernel, extent2d stride = 1) {
@@ -164,19 +134,14 @@ TEST_CASE("convolution_step: two outputs side by side in one wider map, without 
         .window = over(input, 1), .filters = 32, .input_stride = 16, .relu = true};
     constexpr frame_convolution wide_alone{
         .window = over(input, 3), .filters = 32, .input_stride = 16, .relu = true};
-    random_map in = make_map(input, 16, 7);
+    support::convolution_numbers one(narrow, 1, 11), three(wide, 1, 12); // the same input for both
     support::guarded_map both(input.area() * stride, 555, -1.0f);
     support::guarded_map first(input.area() * step_of<narrow_alone>::output_stride, 555, -1.0f),
         second(input.area() * step_of<wide_alone>::output_stride, 555, -1.0f);
-    const auto run = [&]<frame_convolution C>(std::uint64_t seed, support::guarded_map& to) {
-        numbers_of<step_of<C>> numbers(seed);
-        step_of<C>::run(numbers.packed.data(), in.laid.data(), to.data(), numbers.scratch.data());
-        CHECK(to.untouched());
-    };
-    run.template operator()<narrow>(11, both);
-    run.template operator()<wide>(12, both);
-    run.template operator()<narrow_alone>(11, first);
-    run.template operator()<wide_alone>(12, second);
+    numbers_of<step_of<narrow>>(one).run(one.laid_inputs, both);
+    numbers_of<step_of<wide>>(three).run(one.laid_inputs, both);
+    numbers_of<step_of<narrow_alone>>(one).run(one.laid_inputs, first);
+    numbers_of<step_of<wide_alone>>(three).run(one.laid_inputs, second);
     bool same_numbers = true;
     for (std::size_t p = 0; p < input.area(); ++p) {
         for (std::size_t f = 0; f < 32; ++f)

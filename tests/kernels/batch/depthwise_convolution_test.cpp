@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <cstddef>
-#include <support/whole_numbers.hpp>
+#include <support/guarded_map.hpp>
 #include <type_traits>
 
 using namespace tactnet;

@@ -1,104 +1,28 @@
 #include <tactnet/kernels/frame/direct.hpp>
+#include <tactnet/kernels/frame/packed_pixels.hpp>
 #include <tactnet/kernels/frame/winograd.hpp>
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <support/guarded_map.hpp>
-#include <support/layers/deployed_reference.hpp>
-#include <support/layers/window_of.hpp>
+#include <support/frame_convolution.hpp>
+#include <support/same_bits.hpp>
 #include <type_traits>
-#include <vector>
 
 using namespace tactnet;
 using namespace tactnet::kernels;
+using support::adding;
+using support::pooled;
+using support::step;
 
 namespace {
 
-/// Runs one fused step on random numbers and holds every output to the bound of its error.
-template <frame_convolution C, extent2d Tile>
-void compare(std::uint64_t seed) {
-    CAPTURE(C.window.input.rows);
-    CAPTURE(C.window.input.columns);
-    CAPTURE(C.window.input.channels);
-    CAPTURE(C.filters);
-    CAPTURE(Tile.rows);
-    CAPTURE(Tile.columns);
-    constexpr std::size_t channels = C.window.input.channels, area = C.window.input.area();
-    constexpr std::size_t taps = C.window.kernel.area();
-    std::uint64_t state = seed;
-    std::vector<double> weights(C.filters * channels * taps);
-    for (double& w : weights)
-        w = static_cast<double>(support::draw(state));
-    std::vector<support::bounded> biases(C.filters);
-    for (support::bounded& b : biases)
-        b.value = static_cast<double>(support::draw(state));
-    support::sample in(channels * area);
-    for (support::bounded& x : in)
-        x.value = static_cast<double>(support::draw(state));
-
-    // Lanes beyond the channels hold numbers, as other steps may leave them; around the map is NaN.
-    support::guarded_map input(area * C.input_stride, NAN, 1e3f);
-    for (std::size_t c = 0; c < channels; ++c)
-        for (std::size_t p = 0; p < area; ++p)
-            input.data()[p * C.input_stride + c] = static_cast<float>(in[c * area + p].value);
-    constexpr std::size_t output_area = C.output_rows() * C.output_columns();
-    support::guarded_map output(output_area * C.output_stride(), 12345, C.accumulates ? 0.0f : NAN);
-    support::sample added(C.filters * output_area);
-    for (std::size_t f = 0; f < C.filters && C.accumulates; ++f)
-        for (std::size_t p = 0; p < output_area; ++p) {
-            added[f * output_area + p].value = static_cast<double>(support::draw(state));
-            output.data()[p * C.output_stride() + f] = static_cast<float>(added[f * output_area + p].value);
-        }
-
-    const auto weight = [&](std::size_t f, std::size_t c, std::size_t row, std::size_t column) {
-        return static_cast<float>(
-            weights[((f * channels + c) * C.window.kernel.rows + row) * C.window.kernel.columns + column]);
-    };
-    std::vector<float> bias;
-    for (const support::bounded& b : biases)
-        bias.push_back(static_cast<float>(b.value));
-    using method = std::conditional_t<Tile == extent2d(0), direct_method<C>, winograd_method<C, Tile>>;
-    static_assert(method::applicable && method::tile == Tile);
-    support::guarded_map packed(method::packed_elements, 4321, 0),
-        workspace(method::workspace_elements, 54321, NAN);
-    method::pack(weight, bias.data(), packed.data());
-    method::run(packed.data(), input.data(), output.data(), workspace.data());
-    CHECK(packed.untouched());
-    CHECK(workspace.untouched());
-    CHECK(output.untouched());
-
-    const support::sample expected = support::pooled_and_rectified(
-        C, support::bounded_convolution(support::window_of(C.window), C.filters, weights, biases, in,
-                                        C.accumulates ? &added : nullptr, {Tile.rows, Tile.columns}));
-    REQUIRE(expected.size() == C.filters * output_area);
-    CHECK(support::outputs_outside(expected, output_area, output.data(), C.output_stride()) == 0);
-}
-
-constexpr frame_convolution step(shape in, extent2d kernel, std::size_t filters, std::size_t input_stride,
-                                 extent2d stride = 1, padding around = padding::same) {
-    return {.window = sliding_window::over(in, kernel, stride, around),
-            .filters = filters,
-            .input_stride = input_stride};
-}
-/// Behind it a max pool of windows side by side; `whole` leaves out windows that the image does not fill.
-constexpr frame_convolution pooled(frame_convolution c, extent2d pool, bool whole = false) {
-    const std::size_t rows = c.window.output_rows(), columns = c.window.output_columns();
-    c.pool = pool, c.relu = true;
-    c.pooled_rows = whole ? rows / pool.rows : (rows + pool.rows - 1) / pool.rows;
-    c.pooled_columns = whole ? columns / pool.columns : (columns + pool.columns - 1) / pool.columns;
-    return c;
-}
-constexpr frame_convolution adding(frame_convolution c, bool relu) {
-    c.accumulates = true, c.relu = relu;
-    return c;
-}
-
 template <frame_convolution C, extent2d Tile = 0>
 struct job {
-    static void run(std::uint64_t seed) { compare<C, Tile>(seed); }
+    using method = std::conditional_t<Tile == extent2d(0), direct_method<C>, winograd_method<C, Tile>>;
+    static_assert(method::applicable && method::tile == Tile);
+    static void run(std::uint64_t seed) { support::convolution_numbers(C, 1, seed).check<method>(); }
 };
 template <class... Jobs>
 void run_all() {
@@ -159,4 +83,75 @@ TEST_CASE("winograd_method: larger ones, and those that are no squares") {
             job<pooled(step({7, 10, 5}, 3, 8, 16), 2), extent2d(4)>,          //
             job<pooled(step({7, 13, 5}, 2, 8, 16), 2, true), extent2d(2, 4)>, //
             job<adding(step({3, 5, 12}, 3, 64, 16), true), extent2d(3)>>();
+}
+
+namespace {
+
+constexpr frame_convolution pixel_step(extent2d image, extent2d kernel, std::size_t filters,
+                                       padding around = padding::same) {
+    return support::with_relu(support::step({image.rows, image.columns, 1}, kernel, filters, 1, 1, around));
+}
+
+/// Runs both methods on the same numbers and returns how many outputs have other bits. NaN lies around all
+/// that they may touch, and in the workspace.
+template <frame_convolution C>
+std::size_t other_bits(std::uint64_t seed) {
+    CAPTURE(C.window.input.rows);
+    CAPTURE(C.window.input.columns);
+    CAPTURE(C.filters);
+    support::convolution_numbers numbers(C, 1, seed, NAN);
+    return support::numbers_that_differ(numbers.run<direct_method<C>>(),
+                                        numbers.run<packed_pixels_method<C>>());
+}
+
+template <frame_convolution C>
+void compare_bits(std::uint64_t seed) {
+    if constexpr (packed_pixels_method<C>::applicable)
+        CHECK(other_bits<C>(seed) == 0);
+}
+
+/// With as many filters as fill a share of a vector, at least four of them.
+template <std::size_t Share>
+inline constexpr std::size_t filters = lanes<float> / Share < 4 ? 4 : lanes<float> / Share;
+
+constexpr frame_convolution sparse = [] {
+    frame_convolution c = pixel_step({9, 12}, 3, 4);
+    c.input_stride = 4;
+    return c;
+}();
+
+} // namespace
+
+TEST_CASE("packed_pixels_method: the bits of direct_method, whatever the size") {
+    compare_bits<pooled(pixel_step({28, 50}, 5, filters<2>), 2)>(1); // TactNet-4 and TactNet-6
+    compare_bits<pooled(pixel_step({14, 25}, 3, filters<2>), 2)>(2); // the last pixels are single
+    compare_bits<pooled(pixel_step({7, 13}, 5, filters<2>), 2)>(3);
+    compare_bits<pixel_step({7, 13}, 5, filters<2>)>(4);
+    compare_bits<pixel_step({10, 18}, {2, 3}, filters<2> - 1)>(
+        5); // a lane without a filter, a kernel with an even side
+    compare_bits<pixel_step({11, 37}, {3, 7}, filters<2>, padding::valid)>(6);
+    compare_bits<pixel_step({3, 40}, {5, 1}, filters<2>, pad(2, 2, 0, 0))>(7);
+    compare_bits<pixel_step({1, 2}, 1, filters<2>)>(8);
+    compare_bits<pooled(pixel_step({13, 60}, 3, filters<4>), 2)>(9);
+    compare_bits<pooled(pixel_step({13, 19}, 3, filters<4>), {3, 1})>(10);
+    compare_bits<pooled(pixel_step({5, 9}, 3, 3), {1, 2})>(11);
+    compare_bits<sparse>(12);
+}
+
+TEST_CASE("packed_pixels_method: only for few filters over one channel, one step at a time") {
+    constexpr std::size_t few = filters<2>;
+    constexpr bool vectors_hold_two = lanes<float> >= 8;
+    CHECK(packed_pixels_method<pixel_step({8, 8}, 3, few)>::applicable == vectors_hold_two);
+    CHECK_FALSE(packed_pixels_method<pixel_step({8, 8}, 3, 2 * lanes<float>)>::applicable);
+    CHECK_FALSE(packed_pixels_method<pixel_step({8, 1}, 3, few)>::applicable);
+    CHECK_FALSE(packed_pixels_method<pooled(pixel_step({9, 9}, 3, few), 3)>::applicable);
+    constexpr auto changed = [](auto change) {
+        frame_convolution c = pixel_step({8, 8}, 3, few);
+        change(c);
+        return c;
+    };
+    CHECK_FALSE(packed_pixels_method<changed([](auto& c) { c.accumulates = true; })>::applicable);
+    CHECK_FALSE(packed_pixels_method<changed([](auto& c) { c.window.input.channels = 2; })>::applicable);
+    CHECK_FALSE(packed_pixels_method<changed([](auto& c) { c.window.stride = 2; })>::applicable);
+    CHECK_FALSE(packed_pixels_method<changed([](auto& c) { c.map_stride = 64; })>::applicable);
 }
