@@ -18,7 +18,7 @@
 #include <span>
 #include <string>
 #include <support/files/temporary_folder.hpp>
-#include <support/layers/reference_of_time.hpp>
+#include <support/layers/reference_of.hpp>
 #include <support/same_bits.hpp>
 #include <vector>
 

@@ -15,7 +15,7 @@
 #include <stdexcept>
 #include <string>
 #include <support/allocations.hpp>
-#include <support/layers/reference_of_time.hpp>
+#include <support/layers/reference_of.hpp>
 #include <support/same_bits.hpp>
 #include <thread>
 #include <type_traits>

@@ -8,45 +8,22 @@ using support::check_layer;
 // Kernels of every kind, odd, even, oblong and wider than what stays in registers; filters and channels that
 // fill register blocks and that do not; images of one tactel, one line and more.
 
-TEST_CASE("conv2d: 1 × 1 of one tactel") {
+TEST_CASE("conv2d: kernels of every kind") {
     check_layer<conv2d<1, 1>, shape{1, 1, 1}>();
-}
-TEST_CASE("conv2d: 3 × 3 of one tactel with channels") {
     check_layer<conv2d<9, 3>, shape{1, 1, 8}>();
-}
-TEST_CASE("conv2d: 2 × 2 pads bottom and right") {
-    check_layer<conv2d<8, 2>, shape{5, 4, 1}>();
-}
-TEST_CASE("conv2d: 3 × 3") {
+    check_layer<conv2d<8, 2>, shape{5, 4, 1}>(); // pads bottom and right
     check_layer<conv2d<9, 3>, shape{7, 13, 3}>();
-}
-TEST_CASE("conv2d: 4 × 4") {
     check_layer<conv2d<16, 4>, shape{5, 4, 3}>();
-}
-TEST_CASE("conv2d: 5 × 5") {
     check_layer<conv2d<8, 5>, shape{7, 13, 1}>();
-}
-TEST_CASE("conv2d: 2 × 3") {
     check_layer<conv2d<22, extent2d{2, 3}>, shape{5, 4, 8}>();
-}
-TEST_CASE("conv2d: 5 × 1 of one line") {
     check_layer<conv2d<5, extent2d{5, 1}>, shape{1, 9, 3}>();
-}
-TEST_CASE("conv2d: 7 × 7 over an image no larger") {
-    check_layer<conv2d<5, 7>, shape{7, 6, 3}>();
+    check_layer<conv2d<5, 7>, shape{7, 6, 3}>(); // over an image no larger
 }
 
-// Channels that fill vectors of every width, whose gradients are taken across channels.
-
-TEST_CASE("conv2d: 3 × 3 of 16 channels") {
+// Whose gradients are taken across channels.
+TEST_CASE("conv2d: channels that fill vectors of every width") {
     check_layer<conv2d<13, 3>, shape{4, 3, 16}>();
-}
-TEST_CASE("conv2d: 2 × 3 of 32 channels, stride 2") {
     check_layer<conv2d<2, extent2d{2, 3}, 2>, shape{5, 4, 32}>();
-}
-TEST_CASE("conv2d: 3 × 3 of 48 channels, no padding") {
     check_layer<conv2d<3, 3, 1, padding::valid>, shape{4, 5, 48}>();
-}
-TEST_CASE("conv2d: 1 × 2 of 16 channels, rows in several tiles") {
-    check_layer<conv2d<1, extent2d{1, 2}>, shape{3, 40, 16}>();
+    check_layer<conv2d<1, extent2d{1, 2}>, shape{3, 40, 16}>(); // rows in several tiles
 }

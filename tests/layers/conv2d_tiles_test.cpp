@@ -28,21 +28,12 @@ void check_by_tiles() {
 
 } // namespace
 
-TEST_CASE("conv2d: 3 × 3 by tiles that cover the map") {
-    check_by_tiles<16, 3, shape{4, 8, 16}>();
-}
-TEST_CASE("conv2d: 3 × 3 by tiles that reach beyond the map") {
-    check_by_tiles<13, 3, shape{5, 7, 16}>();
-}
-TEST_CASE("conv2d: 2 × 2 by tiles") {
+TEST_CASE("conv2d: what must hold of every layer, by tiles") {
+    check_by_tiles<16, 3, shape{4, 8, 16}>(); // tiles cover the map
+    check_by_tiles<13, 3, shape{5, 7, 16}>(); // tiles reach beyond the map
     check_by_tiles<18, 2, shape{6, 7, 16}>();
-}
-TEST_CASE("conv2d: 3 × 3 by tiles, without padding") {
     check_by_tiles<9, 3, shape{8, 9, 12}, padding::valid>();
-}
-TEST_CASE("conv2d: 3 × 3 by tiles, filters that fill vectors where channels do not") {
+    // Filters fill vectors where channels do not.
     check_by_tiles<16, 3, shape{5, 8, 8}>();
-}
-TEST_CASE("conv2d: 3 × 3 by tiles in two groups") {
     check_by_tiles<24, 3, shape{4, 8, 32}, padding::same, 2>();
 }

@@ -9,14 +9,10 @@
 
 using namespace tactnet;
 
-TEST_CASE("dropout: of nothing") {
-    support::check_layer<dropout<0>, shape{5, 4, 3}>();
-}
-TEST_CASE("dropout: half") {
-    support::check_layer<dropout<50>, shape{5, 4, 3}>({.random = true});
-}
-TEST_CASE("dropout: nine of ten") {
-    support::check_layer<dropout<90>, shape{1, 1, 7}>({.random = true});
+TEST_CASE("dropout: what must hold of every layer") {
+    support::check_layer<dropout<0>, shape{5, 4, 3}>();                  // of nothing
+    support::check_layer<dropout<50>, shape{5, 4, 3}>({.random = true}); // half
+    support::check_layer<dropout<90>, shape{1, 1, 7}>({.random = true}); // nine of ten
 }
 
 namespace {

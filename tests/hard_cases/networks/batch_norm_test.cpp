@@ -17,7 +17,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <support/layers/run.hpp>
+#include <support/layers/erased.hpp>
 #include <vector>
 
 using namespace tactnet;

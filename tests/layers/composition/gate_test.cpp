@@ -28,12 +28,7 @@ TEST_CASE("gate: inside a residual block, as in MobileNetV3") {
 }
 
 TEST_CASE("gate: arrays of squeeze and excitation have torchvision's names and extents") {
-    const auto arrays = support::make_layer<squeeze_excitation<6, 2>, float, shape{3, 4, 6}>()->describe();
-    REQUIRE(arrays.size() == 4);
-    CHECK(arrays[0].name == "layer.fc1.weight");
-    CHECK(arrays[0].extents == std::vector<std::size_t>{2, 6, 1, 1});
-    CHECK(arrays[1].name == "layer.fc1.bias");
-    CHECK(arrays[2].name == "layer.fc2.weight");
-    CHECK(arrays[2].extents == std::vector<std::size_t>{6, 2, 1, 1});
-    CHECK(arrays[3].name == "layer.fc2.bias");
+    CHECK(support::arrays_of<squeeze_excitation<6, 2>, shape{3, 4, 6}>() ==
+          std::vector<std::string>{"layer.fc1.weight 2x6x1x1", "layer.fc1.bias 2", "layer.fc2.weight 6x2x1x1",
+                                   "layer.fc2.bias 6"});
 }

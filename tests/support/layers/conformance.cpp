@@ -486,6 +486,7 @@ void check_memory(subject_in<T>& subject, const conformance_options& options) {
 } // namespace
 
 void check_conformance(const conformance_subject& given) {
+    CAPTURE(given.name);
     subject_in<float> single(given.make_float, given.options);
     subject_in<double> twice(given.make_double, given.options);
     check_costs(single, given.reference);

@@ -15,8 +15,10 @@
 #include <doctest/doctest.h>
 
 #include <cstddef>
+#include <string>
 #include <support/layers/erased.hpp>
 #include <support/layers/reference_of.hpp>
+#include <vector>
 
 namespace support {
 
@@ -32,6 +34,7 @@ struct conformance_subject {
     layer_maker<double> make_double;
     const reference_layer& reference;
     conformance_options options;
+    const char* name; ///< for messages
 };
 
 void check_conformance(const conformance_subject& subject);
@@ -39,8 +42,21 @@ void check_conformance(const conformance_subject& subject);
 template <class Spec, tactnet::shape Input>
 void check_layer(const conformance_options& options = {}) {
     const reference_pointer reference = reference_of<Spec>::on({Input.channels, Input.rows, Input.columns});
-    check_conformance(
-        {&make_layer<Spec, float, Input>, &make_layer<Spec, double, Input>, *reference, options});
+    check_conformance({&make_layer<Spec, float, Input>, &make_layer<Spec, double, Input>, *reference, options,
+                       __PRETTY_FUNCTION__});
+}
+
+/// The arrays of a layer as texts, such as "layer.weight 6x2x3x3".
+template <class Spec, tactnet::shape Input>
+std::vector<std::string> arrays_of() {
+    std::vector<std::string> texts;
+    for (const tactnet::parameter& p : make_layer<Spec, float, Input>()->describe()) {
+        std::string extents;
+        for (const std::size_t extent : p.extents)
+            extents += (extents.empty() ? " " : "x") + std::to_string(extent);
+        texts.push_back(p.name + extents);
+    }
+    return texts;
 }
 
 } // namespace support

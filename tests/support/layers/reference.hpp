@@ -187,4 +187,13 @@ reference_pointer reference_residual(reference_pointer main, reference_pointer s
 reference_pointer reference_gate(reference_pointer branch);
 reference_pointer reference_concatenation(std::vector<reference_pointer> branches);
 
+/// PyTorch's nn.GRU and nn.LSTM of one layer. The gradients of layers that run through time are compared with
+/// finite differences alone.
+reference_pointer reference_gru(extents3 input, std::size_t hidden);
+reference_pointer reference_lstm(extents3 input, std::size_t hidden);
+/// PyTorch's nn.Conv1d after a padding with zeros before the first frame.
+reference_pointer reference_causal_conv1d(extents3 input, std::size_t filters, std::size_t taps,
+                                          std::size_t dilation);
+reference_pointer reference_last_frame(extents3 input);
+
 } // namespace support

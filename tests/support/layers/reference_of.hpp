@@ -257,4 +257,21 @@ struct reference_of<tactnet::gate<Branch...>> {
     }
 };
 
+template <std::size_t Hidden>
+struct reference_of<tactnet::gru<Hidden>> {
+    static reference_pointer on(extents3 in) { return reference_gru(in, Hidden); }
+};
+template <std::size_t Hidden>
+struct reference_of<tactnet::lstm<Hidden>> {
+    static reference_pointer on(extents3 in) { return reference_lstm(in, Hidden); }
+};
+template <std::size_t Filters, std::size_t Taps, std::size_t Dilation>
+struct reference_of<tactnet::causal_conv1d<Filters, Taps, Dilation>> {
+    static reference_pointer on(extents3 in) { return reference_causal_conv1d(in, Filters, Taps, Dilation); }
+};
+template <>
+struct reference_of<tactnet::last_frame> {
+    static reference_pointer on(extents3 in) { return reference_last_frame(in); }
+};
+
 } // namespace support

@@ -4,7 +4,6 @@
 #include <memory>
 #include <span>
 #include <support/layers/reference_layers.hpp>
-#include <support/layers/reference_time.hpp>
 #include <vector>
 
 namespace support {

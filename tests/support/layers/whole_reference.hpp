@@ -61,6 +61,30 @@ struct reference_range {
     }
 };
 
+/// Number by number: f(number, channel).
+template <class Function>
+whole_map each_number(whole_map map, const Function& f) {
+    for (std::size_t i = 0; i < map.whole.size(); ++i)
+        map.whole[i] = f(map.whole[i], i % map.channels);
+    return map;
+}
+/// A layer of the reference in double, of what bytes stand for, times a whole number that makes the results
+/// whole: they then pass exactly.
+inline whole_map exact_layer(const reference_pointer& layer, const whole_map& in, std::int64_t zero = 0,
+                             double times = 1) {
+    sample map(in.whole.size());
+    for (std::size_t i = 0; i < map.size(); ++i)
+        map[i % in.channels * (in.rows * in.columns) + i / in.channels].value =
+            static_cast<double>(in.whole[i] - zero);
+    map = layer->forward({}, {map}).front();
+    const extents3 to = layer->output;
+    whole_map result(tactnet::shape{to.rows, to.columns, to.channels});
+    for (std::size_t i = 0; i < map.size(); ++i)
+        result.whole[i] = static_cast<std::int64_t>(
+            std::nearbyint(map[i % to.channels * to.area() + i / to.channels].value * times));
+    return result;
+}
+
 /// sum × factor in single precision, to the nearest whole number, ties to the even one, plus the zero,
 /// within the range.
 inline std::int64_t reference_byte(std::int64_t sum, float factor, std::int64_t zero, bool relu) {
@@ -198,20 +222,16 @@ struct reference_step<
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         const float* at = folded + 2 * Map.channels;
         const reference_range input = reference_range::next(at), output = reference_range::next(at);
-        whole_map result(Map);
-        for (std::size_t i = 0; i < result.whole.size(); ++i) {
-            const std::size_t c = i % Map.channels;
+        return each_number(in, [&](std::int64_t number, std::size_t c) {
             const auto weight = static_cast<double>(folded[c]),
                        offset = static_cast<double>(folded[Map.channels + c]);
             const double unit =
                 std::max(std::abs(weight) / 32767 * input.scale, std::abs(offset) / std::pow(2.0, 29));
             const auto times = static_cast<std::int64_t>(std::nearbyint(weight * input.scale / unit));
             const std::int64_t sum =
-                static_cast<std::int64_t>(std::nearbyint(offset / unit)) + times * (in.whole[i] - input.zero);
-            result.whole[i] =
-                reference_byte(sum, static_cast<float>(unit / output.scale), output.zero, Rectified);
-        }
-        return result;
+                static_cast<std::int64_t>(std::nearbyint(offset / unit)) + times * (number - input.zero);
+            return reference_byte(sum, static_cast<float>(unit / output.scale), output.zero, Rectified);
+        });
     }
 };
 
@@ -229,46 +249,41 @@ struct reference_step<
         };
         const float part = static_cast<float>(1 / 1024.0 / output.scale),
                     factor = std::sqrt(static_cast<float>(input.scale)) * part;
-        whole_map result(Map);
-        for (std::size_t i = 0; i < result.whole.size(); ++i)
-            result.whole[i] =
-                reference_byte(root(in.whole[i] - input.zero) - root(0), factor, output.zero, true);
-        return result;
+        return each_number(in, [&](std::int64_t number, std::size_t) {
+            return reference_byte(root(number - input.zero) - root(0), factor, output.zero, true);
+        });
     }
 };
 
 template <class Function, tactnet::shape Map, std::size_t Stride, class Products>
 struct reference_step<tactnet::activation_step<tactnet::eight_bit, Function, Map, Stride>, Products> {
-    static whole_map run(const float* folded, whole_map map, const whole_map&) {
+    static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         const reference_range input = reference_range::next(folded);
         if constexpr (std::is_same_v<Function, tactnet::relu_function>) {
-            for (std::int64_t& byte : map.whole)
-                byte = std::max(byte, input.zero);
+            return each_number(in, [&](std::int64_t n, std::size_t) { return std::max(n, input.zero); });
         } else {
             const reference_range output = reference_range::next(folded);
-            for (std::int64_t& byte : map.whole) {
-                const double value = Function::value(static_cast<double>(byte - input.zero) * input.scale);
-                byte = std::clamp<std::int64_t>(
+            return each_number(in, [&](std::int64_t number, std::size_t) {
+                const double value = Function::value(static_cast<double>(number - input.zero) * input.scale);
+                return std::clamp<std::int64_t>(
                     static_cast<std::int64_t>(std::nearbyint(value / output.scale)) + output.zero, 0, 255);
-            }
+            });
         }
-        return map;
     }
 };
 
 /// The factor of a slope is rounded once, as that of the ranges.
 template <tactnet::shape Map, std::size_t Stride, class Products>
 struct reference_step<tactnet::parametric_relu_step<tactnet::eight_bit, Map, Stride>, Products> {
-    static whole_map run(const float* folded, whole_map map, const whole_map&) {
+    static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         const float* at = folded + Map.channels;
         const reference_range input = reference_range::next(at), output = reference_range::next(at);
-        for (std::size_t i = 0; i < map.whole.size(); ++i) {
-            const std::int64_t steps = map.whole[i] - input.zero;
-            const double slope = steps > 0 ? 1 : static_cast<double>(folded[i % Map.channels]);
-            map.whole[i] = reference_byte(steps, static_cast<float>(slope * (input.scale / output.scale)),
-                                          output.zero, false);
-        }
-        return map;
+        return each_number(in, [&](std::int64_t number, std::size_t c) {
+            const std::int64_t steps = number - input.zero;
+            const double slope = steps > 0 ? 1 : static_cast<double>(folded[c]);
+            return reference_byte(steps, static_cast<float>(slope * (input.scale / output.scale)),
+                                  output.zero, false);
+        });
     }
 };
 
@@ -293,14 +308,7 @@ struct reference_step<tactnet::step_with_softmax<Step>, Products> {
 template <tactnet::sliding_window W, std::size_t Stride, class Products>
 struct reference_step<tactnet::pool_step<tactnet::eight_bit, W, Stride>, Products> {
     static whole_map run(const float*, const whole_map& in, const whole_map&) {
-        whole_map result(tactnet::shape{W.output_rows(), W.output_columns(), W.input.channels});
-        window_of(W).for_each_tap([&](std::size_t to, std::size_t from, std::size_t) {
-            for (std::size_t c = 0; c < result.channels; ++c) {
-                std::int64_t& largest = result.whole[to * result.channels + c];
-                largest = std::max(largest, in.whole[from * result.channels + c]);
-            }
-        });
-        return result;
+        return exact_layer(reference_max_pool(window_of(W)), in);
     }
 };
 
@@ -369,12 +377,10 @@ struct reference_step<tactnet::gate_step<Branch, tactnet::product_step<tactnet::
         const reference_range input = reference_range::next(folded), other = reference_range::next(folded),
                               output = reference_range::next(folded);
         const auto scale = static_cast<float>(input.scale * other.scale / output.scale);
-        whole_map result(Map);
-        for (std::size_t i = 0; i < result.whole.size(); ++i)
-            result.whole[i] =
-                reference_byte((in.whole[i] - input.zero) * (factors.whole[i % Map.channels] - other.zero),
-                               scale, output.zero, false);
-        return result;
+        return each_number(in, [&](std::int64_t number, std::size_t c) {
+            return reference_byte((number - input.zero) * (factors.whole[c] - other.zero), scale, output.zero,
+                                  false);
+        });
     }
 };
 

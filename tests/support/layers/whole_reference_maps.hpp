@@ -19,18 +19,9 @@ namespace support {
 template <tactnet::shape Input, tactnet::extent2d Output, std::size_t Stride, class Products>
 struct reference_step<tactnet::adaptive_max_pool_step<tactnet::eight_bit, Input, Output, Stride>, Products> {
     static whole_map run(const float*, const whole_map& in, const whole_map&) {
-        const reference_pointer pool =
-            reference_adaptive_max({1, Input.rows, Input.columns}, Output.rows, Output.columns);
-        whole_map result(tactnet::shape{Output.rows, Output.columns, Input.channels});
-        for (std::size_t c = 0; c < Input.channels; ++c) {
-            sample map(Input.area());
-            for (std::size_t pixel = 0; pixel < map.size(); ++pixel)
-                map[pixel].value = static_cast<double>(in.whole[pixel * Input.channels + c]);
-            map = pool->forward({}, {map}).front();
-            for (std::size_t pixel = 0; pixel < map.size(); ++pixel)
-                result.whole[pixel * Input.channels + c] = static_cast<std::int64_t>(map[pixel].value);
-        }
-        return result;
+        return exact_layer(
+            reference_adaptive_max({Input.channels, Input.rows, Input.columns}, Output.rows, Output.columns),
+            in);
     }
 };
 
@@ -38,41 +29,20 @@ struct reference_step<tactnet::adaptive_max_pool_step<tactnet::eight_bit, Input,
 template <tactnet::interpolation Mode, tactnet::shape Input, tactnet::extent2d Output, std::size_t Stride,
           class Products>
 struct reference_step<tactnet::resampling_step<tactnet::eight_bit, Mode, Input, Output, Stride>, Products> {
-    static constexpr bool linear = Mode == tactnet::interpolation::bilinear;
-    struct place {
-        std::size_t pixel;
-        std::int64_t here, after; ///< parts of the pixel and of the next
-    };
-    /// Output `o` lies at ((2 o + 1) · from − to) ÷ (2 to), or at o · from ÷ to.
-    static place place_of(std::size_t o, std::size_t from, std::size_t to) {
-        if (!linear)
-            return {o * from / to, 1, 0};
-        const std::size_t common = std::gcd(from, to), all = 2 * to / common,
-                          at = (std::max((2 * o + 1) * from, to) - to) / common;
-        const auto after = static_cast<std::int64_t>(at / all + 1 < from ? at % all : 0);
-        return {at / all, static_cast<std::int64_t>(all) - after, after};
-    }
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
-        const std::int64_t zero = linear ? reference_range::next(folded).zero : 0;
-        whole_map result(tactnet::shape{Output.rows, Output.columns, Input.channels});
-        for (std::size_t y = 0; y < result.rows; ++y)
-            for (std::size_t x = 0; x < result.columns; ++x)
-                for (std::size_t c = 0; c < Input.channels; ++c) {
-                    const place down = place_of(y, Input.rows, Output.rows),
-                                along = place_of(x, Input.columns, Output.columns);
-                    const auto pixel = [&](std::size_t below, std::size_t beside) {
-                        return in.whole[in.at(std::min(down.pixel + below, Input.rows - 1),
-                                              std::min(along.pixel + beside, Input.columns - 1), c)] -
-                               zero;
-                    };
-                    const std::int64_t sum =
-                        down.here * (along.here * pixel(0, 0) + along.after * pixel(0, 1)) +
-                        down.after * (along.here * pixel(1, 0) + along.after * pixel(1, 1));
-                    const auto all =
-                        static_cast<float>((down.here + down.after) * (along.here + along.after));
-                    result.whole[result.at(y, x, c)] = reference_byte(sum, 1 / all, zero, false);
-                }
-        return result;
+        constexpr bool linear = Mode == tactnet::interpolation::bilinear;
+        const reference_pointer layer = reference_upsampling({Input.channels, Input.rows, Input.columns},
+                                                             Output.rows, Output.columns, linear);
+        if (!linear)
+            return exact_layer(layer, in);
+        // Outputs lie at multiples of 1 ÷ parts of a pixel.
+        const auto parts = [](std::size_t from, std::size_t to) { return 2 * to / std::gcd(from, to); };
+        const auto all =
+            static_cast<float>(parts(Input.rows, Output.rows) * parts(Input.columns, Output.columns));
+        const std::int64_t zero = reference_range::next(folded).zero;
+        return each_number(
+            exact_layer(layer, in, zero, static_cast<double>(all)),
+            [&](std::int64_t sum, std::size_t) { return reference_byte(sum, 1 / all, zero, false); });
     }
 };
 
