@@ -98,6 +98,7 @@ struct error_shares {
     /// Errors stay well below their deviation, which takes every partial sum for as large as all its terms
     /// together.
     [[nodiscard]] bool good() const { return of_bound <= 1 && of_deviation <= 1; }
+    explicit operator bool() const { return good(); }
 };
 inline std::ostream& operator<<(std::ostream& to, const error_shares& s) {
     return to << "largest error " << s.of_bound << " of its bound, " << s.of_deviation << " of its deviation";

@@ -3,10 +3,12 @@
 #include <tactnet/layers/dense.hpp>
 #include <tactnet/networks/model.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/networks/normalisation.hpp>
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <numeric>
 #include <span>
@@ -78,4 +80,48 @@ TEST_CASE("model: an image of another size is refused") {
             static_cast<void>(m.logits(std::span(pixels).first(wrong), alone)),
             ("logits: expected images of 24 pixels, found " + std::to_string(wrong) + " pixels").c_str(),
             std::invalid_argument);
+}
+
+namespace {
+constexpr shape tiny{2, 3, 1};
+}
+
+TEST_CASE("normalisation: the mean of the chosen images alone") {
+    std::vector<std::uint8_t> counts(3 * tiny.size());
+    for (std::size_t i = 0; i < counts.size(); ++i)
+        counts[i] = static_cast<std::uint8_t>(i < 6 ? i : i < 12 ? 255 : 10 * (i - 12) + 1);
+    const std::vector<std::size_t> chosen{0, 2};
+    const auto mean = normalisation<tiny>::mean_of(counts, chosen);
+    for (std::size_t e = 0; e < tiny.size(); ++e)
+        CHECK(mean.data()[e] == (static_cast<float>(e) + static_cast<float>(10 * e + 1)) / 2);
+    const auto none = normalisation<tiny>::mean_of(counts, {});
+    for (const float v : none)
+        CHECK(v == 0);
+}
+
+TEST_CASE("normalisation: the mean of many is rounded once") {
+    std::vector<std::uint8_t> counts(100000 * tiny.size(), 255);
+    std::vector<std::size_t> all(100000);
+    for (std::size_t i = 0; i < all.size(); ++i)
+        all[i] = i;
+    counts[0] = 254;
+    const auto mean = normalisation<tiny>::mean_of(counts, all);
+    CHECK(mean.data()[0] == static_cast<float>((254.0 + 255.0 * 99999) / 100000));
+    CHECK(mean.data()[1] == 255);
+}
+
+TEST_CASE("normalisation: (count − mean) × scale") {
+    normalisation<tiny> n;
+    const std::array<std::uint8_t, 6> counts{0, 1, 128, 254, 255, 7};
+    for (std::size_t e = 0; e < 6; ++e)
+        CHECK(n.apply(counts).data()[e] == counts[e]); // as it is, to begin with
+    n.scale = 1.0f / 255;
+    CHECK(n.apply(counts).data()[4] == 255 * (1.0f / 255));
+    n.mean.data()[3] = 0.5f;
+    n.scale = 2;
+    CHECK(n.apply(counts).data()[3] == 507);
+    tensor<float, tiny> image;
+    image.data()[3] = 1;
+    n.apply(image);
+    CHECK(image.data()[3] == 1);
 }

@@ -13,6 +13,7 @@
 // Whole networks by plain loops, compared with the deployed ones that they describe.
 
 using namespace tactnet;
+using support::mean_square;
 
 namespace {
 
@@ -60,12 +61,6 @@ std::vector<map_range> ranges_of(const detail::calibration_graph& steps, const f
                     if (const auto* const array = of.find(name))
                         ranges[steps.maps[map].range] = map_range::read(&folded[array->offset]);
     return ranges;
-}
-double mean_square(std::span<const float> a, std::span<const float> b = {}) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        sum += std::pow(static_cast<double>(a[i]) - (b.empty() ? 0.0 : static_cast<double>(b[i])), 2);
-    return sum / static_cast<double>(a.size());
 }
 
 /// Roots of mean squares over some frames, of the outputs': what a description differs by from the deployed

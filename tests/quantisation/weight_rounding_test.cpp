@@ -15,15 +15,9 @@
 // Rounded weights that make up for one another, of one filter and of whole networks.
 
 using namespace tactnet;
+using support::mean_square;
 
 namespace {
-
-double mean_square(std::span<const float> a, std::span<const float> b = {}) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i)
-        sum += std::pow(static_cast<double>(a[i]) - (b.empty() ? 0.0 : static_cast<double>(b[i])), 2);
-    return sum / static_cast<double>(a.size());
-}
 
 /// Weights [output][input] for a dense layer over two inputs, and images of it.
 using pair_net = network<shape{1, 2}, dense<1>>;

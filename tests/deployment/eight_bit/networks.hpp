@@ -8,6 +8,7 @@
 #include <tactnet/quantisation/calibration.hpp>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -50,6 +51,14 @@ tactnet::eight_bit_calibration<Network> calibrated(const Network& net, std::uint
     const std::vector<float> mean = mean_for<Network>(seed), frames = frames_for<Network>(images, seed + 50);
     return {net, std::span(mean).template first<Network::input_shape.size()>(), input_scale,
             std::span<const float>(frames)};
+}
+
+/// Of numbers, or of their distances from others.
+inline double mean_square(std::span<const float> a, std::span<const float> b = {}) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        sum += std::pow(static_cast<double>(a[i]) - (b.empty() ? 0.0 : static_cast<double>(b[i])), 2);
+    return sum / static_cast<double>(a.size());
 }
 
 /// The steps of a plan that write other bytes than the reference, each given the reference's input.
