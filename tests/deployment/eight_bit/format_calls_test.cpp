@@ -87,6 +87,21 @@ TEST_CASE("eight_bit: the same bits where frames pass together") {
     check_batches(deployed<heavy, eight_bit>(support::calibrated(*net, 41, 4).folded()), 9);
 }
 
+TEST_CASE("eight_bit: folded numbers that are not finite are refused") {
+    std::vector<float> folded(fast().folded().begin(), fast().folded().end());
+    constexpr std::size_t count = bytes_net::view_type::folded_elements;
+    CHECK_NOTHROW(bytes_net(std::span<const float, count>(folded.data(), count)));
+    for (std::size_t at = 0; at < count; at += 97)
+        for (const float bad :
+             {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+            const float before = folded[at];
+            folded[at] = bad;
+            CHECK_THROWS_WITH_AS(bytes_net(std::span<const float, count>(folded.data(), count)),
+                                 doctest::Contains("expected finite numbers"), std::invalid_argument);
+            folded[at] = before;
+        }
+}
+
 TEST_CASE("eight_bit: a network of the same folded numbers gives the same bits") {
     const std::vector<std::uint8_t> counts = frame_for<fast_net>(9);
     CHECK(same_bits(output_of(bytes_net(fast().folded()), counts), output_of(fast(), counts)));
