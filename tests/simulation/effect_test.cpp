@@ -93,9 +93,10 @@ void check_changes_no_bit(const Effect& effect) {
 }
 
 TEST_CASE("effect: one without strength, or with an impossible one, changes no bit, whatever reaches it") {
-    std::size_t row = 0;
+    std::size_t rows = 0;
     const auto check = [&](const auto&... effects) {
-        CAPTURE(row++);
+        const std::size_t row = ++rows; // CAPTURE evaluates what it is given only when a check fails
+        CAPTURE(row);
         (check_changes_no_bit(effects), ...);
     };
     check(crosstalk{0, 0}, crosstalk{-1, nan});
@@ -137,9 +138,10 @@ void check_no_nan(const Effect& effect) {
 }
 
 TEST_CASE("effect: finite readings, however large, small or below zero, never give NaN") {
-    std::size_t row = 0;
+    std::size_t rows = 0;
     const auto check = [&](const auto&... effects) {
-        CAPTURE(row++);
+        const std::size_t row = ++rows;
+        CAPTURE(row);
         (check_no_nan(effects), ...);
     };
     check(crosstalk{}, crosstalk{1e300, 0}, crosstalk{0, 1e300});
