@@ -82,8 +82,9 @@ TEST_SUITE("program") {
             refuses(command, option, {"18446744073709551616", "-1", "010"});
         for (const std::string size :
              {"7x", "x13", "-7x13", " 7x13", "7x13x1", "18446744073709551623x13", "7 x 13"})
-            shop.refuses(evaluate + words{"--sizes", size},
-                         "--rows, --columns, --sizes: expected a size that tactnet");
+            says(shop.refuses(evaluate + words{"--sizes", size},
+                              "--rows, --columns, --sizes: expected a size that tactnet"),
+                 "), found '" + size + "'; sizes are chosen when building");
     }
 
     TEST_CASE("evaluate: seeds that run over, and tests without images, are refused; the last seed is not") {
