@@ -37,9 +37,11 @@ struct image_data {
 /// refused. Throws tactnet::file_error.
 image_data load_data(const std::filesystem::path& folder, std::size_t rows, std::size_t columns, bool resize);
 
-/// One image to recognise, of the size asked for.
+/// One image to recognise, of the size asked for. Throws tactnet::file_error, and usage_error for another
+/// size without `resize`.
 tactnet::grey_image load_image(const std::filesystem::path& path, std::size_t rows, std::size_t columns,
                                bool resize);
 
-/// Names of classes: subfolders of a folder, or lines of a text file. Throws tactnet::file_error.
+/// Names of classes: subfolders of a folder, or lines of a text file. Throws tactnet::file_error and
+/// usage_error.
 std::vector<std::string> load_class_names(const std::filesystem::path& path);

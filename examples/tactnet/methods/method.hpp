@@ -210,7 +210,8 @@ public:
                                                 tactnet::data_split split, std::uint64_t seed,
                                                 tactnet::thread_pool& threads,
                                                 const std::shared_ptr<pretrained_weights>& from) const = 0;
-    /// `epsilon` of batch norms, where there are any, goes before the file's. Throws tactnet::file_error.
+    /// `epsilon` of batch norms, where there are any, goes before the file's. Throws tactnet::file_error and
+    /// usage_error.
     virtual std::unique_ptr<trained_method> load(const weight_file& file,
                                                  std::optional<double> epsilon) const = 0;
 };

@@ -43,7 +43,7 @@ std::unique_ptr<trained_network> in_eight_bits(const trained_method& trained,
                                                const tactnet::labelled_images& images,
                                                std::span<const std::size_t> chosen);
 
-/// The split of its training, as a weight file says. Throws tactnet::file_error for a file that no training
-/// has written, and for other images than those of the training.
+/// The split of its training, as a weight file says. Throws usage_error for a file that no training has
+/// written, and for other images than those of the training.
 tactnet::data_split stored_split(const std::string& file, const tactnet::file_metadata& metadata,
                                  const std::string& folder, const image_data& data);

@@ -38,7 +38,7 @@ std::string title_of(const study_row& row);
 /// The time of a method with weights of so many bits, if there is one.
 using time_of_method = std::function<std::optional<frame_latency>(const method& what, std::size_t bits)>;
 
-/// A row for each candidate and number of bits. Throws tactnet::file_error for results of other classes.
+/// A row for each candidate and number of bits. Throws usage_error for results of other classes.
 std::vector<study_row> rows_of(const candidate_list& candidates, const split_plan& plan,
                                const std::vector<task>& tasks, const result_list& results,
                                const time_of_method& time);
