@@ -29,8 +29,9 @@ template <class... Values>
 /// How the program ends.
 enum exit_status : int { success = 0, failed = 1, bad_input = 2, interrupted_by_user = 130 };
 
-/// To be called first. Takes up closed streams, lest files opened later get what is printed; makes errors of
-/// pipes that nobody reads and of files beyond the allowed size, in place of the end.
+/// To be called first. Opens standard streams that are closed, so that no file opened later gets what is
+/// printed. Writing to a pipe that nobody reads, or beyond the allowed size of a file, becomes an error
+/// instead of a signal that ends the program.
 void prepare_standard_streams() noexcept;
 
 /// To the standard error, at once, if it can be.

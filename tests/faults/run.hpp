@@ -33,7 +33,7 @@ struct conditions {
     std::chrono::seconds patience{60};
 };
 
-/// They take most of the time of a training.
+/// Drawing pictures takes most of the time of a training.
 inline const conditions without_pictures = [] {
     conditions usual;
     usual.pictures = false;

@@ -26,10 +26,7 @@
 
 #if defined(__linux__)
 #include <sys/resource.h>
-#endif
-#if defined(__linux__)
 #include <sys/stat.h>
-#include <unistd.h>
 #endif
 
 namespace {

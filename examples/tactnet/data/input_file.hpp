@@ -5,8 +5,9 @@
 #include <string>
 #include <string_view>
 
-/// Throws tactnet::file_error for a named pipe, a socket or a device: opening it may wait for ever. Takes
-/// what a shell passes as /dev/stdin or /dev/fd/63, unless that is a terminal, and a name of nothing.
+/// Throws tactnet::file_error for a named pipe, a socket or a device: opening it may wait for ever. Accepts
+/// what a shell passes as /dev/stdin or /dev/fd/63, unless that is a terminal. Also accepts a name of
+/// nothing, which opening it reports.
 void check_no_device(const std::filesystem::path& path);
 
 /// FNV-1a over bytes, 64 bits: enough to notice that data changed, not meant against forgery.

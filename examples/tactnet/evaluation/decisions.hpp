@@ -48,6 +48,6 @@ image_data without_classes(image_data data, std::size_t unknown, std::uint64_t s
 tactnet::data_split split_of_classes(const image_data& data, tactnet::split_rule rule, std::uint64_t seed,
                                      tactnet::split_shares shares);
 
-/// How well scores of a network trained on known classes tell images of others; nothing without images.
+/// How well scores of a network trained on known classes separate images of others; nothing without images.
 decision_means separation(const tactnet::evaluation& of_known, const tactnet::evaluation& of_unknown,
                           std::size_t classes);

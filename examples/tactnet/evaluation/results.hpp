@@ -14,7 +14,8 @@
 #include <limits>
 #include <map>
 
-/// Fitted to results on images of no training. Nothing without such, and for methods without probabilities.
+/// A temperature fitted to results on images that were not trained on. Nothing without such images, and for
+/// methods without probabilities.
 std::optional<tactnet::temperature_scaling> fit_temperature(const tactnet::evaluation& held_out,
                                                             std::span<const std::size_t> images,
                                                             const image_data& data);

@@ -19,7 +19,7 @@ std::string fingerprint_of(const tactnet::file_metadata& settings);
 std::string pretrained_fingerprint(const std::string& path);
 
 /// What decides how this program rounds: its version, and the instruction set that it was compiled for, as
-/// the library names it: simd_avx2_fma. There sse2 or scalar shows a forgotten -march.
+/// the library names it, for example simd_avx2_fma. A name with sse2 or scalar shows a forgotten -march.
 tactnet::file_metadata describe_program();
 
 /// All that decides what comes of a training, apart from images, split and seed.

@@ -180,7 +180,7 @@ public:
     virtual std::string declaration() const { return {}; }
     /// What it is, for sentences.
     virtual std::string_view kind() const { return is_network() ? "network" : "support vector machine"; }
-    /// Of a network, the recipe that did best, or the authors' if none was looked for.
+    /// For a network, the recipe that did best, or the authors' if none was looked for.
     virtual tactnet::recipe default_recipe() const { return tactnet::recipe::default_for(rows, columns); }
     /// What it is made of, where its name does not say it: features, settings of a machine, a user's layers.
     virtual tactnet::file_metadata parts() const { return {}; }

@@ -8,7 +8,7 @@ namespace CLI {
 class App;
 }
 
-/// Of a training by epochs, which support vector machines do not have.
+/// Settings of a training by epochs, which support vector machines do not have.
 struct epoch_settings {
     std::optional<std::size_t> epochs, batch;
     std::optional<double> rate;
@@ -26,7 +26,7 @@ struct training_settings : epoch_settings {
     std::string pretrained;
     tactnet::split_shares shares;
     std::size_t bits = 32;   ///< of a weight, once it is trained: 8, or single precision
-    std::size_t unknown = 0; ///< classes that one more training of such networks leaves out
+    std::size_t unknown = 0; ///< classes that one more training leaves out, as unknown objects
 };
 
 /// --rows, --columns, --resize, --recipe, all that changes a recipe and what a training begins with.

@@ -37,8 +37,8 @@ std::shared_ptr<const trained_method> load_start(const method& what, const train
                                                  const std::vector<std::string>& classes);
 void start(training_run& training, const trained_method* from);
 
-/// With ranges from the chosen images, for methods with such a form (check_bits). Throws usage_error for
-/// weights that cannot be deployed so.
+/// A trained network in 8 bits, with ranges from the chosen images; for methods with such a form
+/// (check_bits). Throws usage_error for weights that cannot be deployed so.
 std::unique_ptr<trained_network> in_eight_bits(const trained_method& trained,
                                                const tactnet::labelled_images& images,
                                                std::span<const std::size_t> chosen);

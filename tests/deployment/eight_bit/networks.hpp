@@ -53,7 +53,7 @@ tactnet::eight_bit_calibration<Network> calibrated(const Network& net, std::uint
             std::span<const float>(frames)};
 }
 
-/// Of numbers, or of their distances from others.
+/// The mean square of numbers, or of their differences from others.
 inline double mean_square(std::span<const float> a, std::span<const float> b = {}) {
     double sum = 0;
     for (std::size_t i = 0; i < a.size(); ++i)

@@ -100,7 +100,8 @@ std::vector<float> outputs_of(const any_deployed& network, const compiled_networ
 /// Logits: of a network that ends in a softmax the logarithms of its outputs, finite for zero.
 std::vector<float> logits_of(const any_deployed& network, const compiled_network& code,
                              std::span<const std::uint8_t> frames, tactnet::thread_pool& threads);
-/// Of rows of `outputs` logits, the first for `classes`. Throws std::runtime_error for some not finite.
+/// Recognises rows of `outputs` logits, of which the first `classes` stand for classes. Throws
+/// std::runtime_error for logits that are not finite.
 std::vector<scored_class> classes_of_rows(std::span<const float> rows, std::size_t outputs,
                                           std::size_t classes, const tactnet::temperature_scaling& scaling);
 
