@@ -21,7 +21,7 @@ foreach(test IN LISTS tests)
     set(mirrors OFF)
     while(NOT mirrors)
         if(EXISTS "${HEADERS}/tactnet/${header}.hpp" OR IS_DIRECTORY "${HEADERS}/tactnet/${header}"
-           OR header STREQUAL "${room}/${room}"
+           OR (header STREQUAL "${room}/${room}" AND IS_DIRECTORY "${HEADERS}/tactnet/${room}")
         )
             set(mirrors ON)
         elseif(header MATCHES "_[^_/]*$")
