@@ -46,9 +46,9 @@ endfunction()
 # - at -O0 with UNOPTIMISED: where results are compared with references and to the bit, and little is computed. This takes
 #   two thirds of the time to compile.
 # UNOPTIMISED_SOURCES are files of an optimised room that are compiled at -O0 all the same: those that compare many
-# sizes with a reference, where most of the time of compiling would go, and those about other things than numbers. With
-# TACTNET_TEST_FULLY_OPTIMISED, as in the presets clang and all-sizes, they are like the others. They stand last, so that
-# of a function that other files have, too, the linker takes the fully optimised one.
+# sizes with a reference, where most of the time of compiling would go, and those about other things than numbers. They
+# stand last, so that of a function that other files have, too, the linker takes the fully optimised one.
+# With TACTNET_TEST_FULLY_OPTIMISED, as in the presets clang and all-sizes, both are like other rooms and files.
 #
 # DATA is for rooms with cases in the suite "data" (`* doctest::test_suite("data")`): they need data that do not belong to
 # the project (support/files/data_folder.hpp), and are an entry <room>.data of their own, which CTest reports as skipped
@@ -74,7 +74,7 @@ function(tactnet_test room)
     set(level quick)
     if(test_FULLY_OPTIMISED)
         set(level optimised)
-    elseif(test_UNOPTIMISED)
+    elseif(test_UNOPTIMISED AND NOT TACTNET_TEST_FULLY_OPTIMISED)
         set(level unoptimised)
     endif()
     add_executable(test_${room} ${test_SOURCES})

@@ -23,8 +23,8 @@ const method& find_method(std::string_view name, std::string_view size) {
     }
     if (sizes.empty())
         refuse("--method: expected one of {}, found '{}'", method_names(), name);
-    refuse("--rows, --columns, --sizes: expected a size that {} was compiled for ({}), found '{}'; sizes are "
-           "chosen when building, by TACTNET_PROGRAM_SIZES",
+    refuse("{}: expected a size that it was compiled for ({}), found '{}'; sizes are chosen when building, by "
+           "TACTNET_PROGRAM_SIZES",
            name, sizes, size);
 }
 

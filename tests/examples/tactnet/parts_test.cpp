@@ -83,7 +83,7 @@ TEST_SUITE("program") {
         for (const std::string size :
              {"7x", "x13", "-7x13", " 7x13", "7x13x1", "18446744073709551623x13", "7 x 13"})
             says(shop.refuses(evaluate + words{"--sizes", size},
-                              "--rows, --columns, --sizes: expected a size that tactnet"),
+                              ": expected a size that it was compiled for ("),
                  "), found '" + size + "'; sizes are chosen when building");
     }
 
