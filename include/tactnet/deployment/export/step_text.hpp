@@ -142,7 +142,9 @@ template <activation_function Function>
     return std::to_string(s.rows) + " × " + std::to_string(s.columns) + " × " + std::to_string(s.channels);
 }
 [[nodiscard]] inline std::string details_of(const sliding_window& w) {
-    return " " + size_of(w.kernel) + " by steps of " + size_of(w.stride);
+    std::string what = " ";
+    what += size_of(w.kernel) + " by steps of " + size_of(w.stride);
+    return what;
 }
 [[nodiscard]] inline std::string details_of(const kernels::frame_convolution& c) {
     std::string what = " ";
