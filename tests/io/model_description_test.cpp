@@ -30,7 +30,7 @@ file_metadata example() {
     return metadata;
 }
 
-/// Of one class, with nothing that may be missing.
+/// A description of one class, without what may be missing.
 model_description least() {
     return {.network = {},
             .rows = 4,

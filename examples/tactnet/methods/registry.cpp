@@ -23,9 +23,10 @@ const method& find_method(std::string_view name, std::string_view size) {
     }
     if (sizes.empty())
         refuse("--method: expected one of {}, found '{}'", method_names(), name);
-    refuse("{}: expected a size that it was compiled for ({}), found '{}'; sizes are chosen when building, by "
-           "TACTNET_PROGRAM_SIZES",
-           name, sizes, size);
+    refuse(
+        "{}: expected a size that it was compiled for ({}), found '{}'; sizes are chosen when building, by "
+        "TACTNET_PROGRAM_SIZES",
+        name, sizes, size);
 }
 
 std::string default_method() {

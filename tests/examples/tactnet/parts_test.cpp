@@ -14,7 +14,8 @@ using namespace support;
 
 namespace {
 
-/// Of work in a process of its own, for an interruption stays with a process: the exit status is its result.
+/// Runs `work` in a process of its own, since an interruption stays with a process. Its result is the exit
+/// status.
 outcome of_process(const std::function<int()>& work) {
     const support::temporary_folder folder;
     const std::string error = (folder / "error").string();

@@ -192,7 +192,7 @@ constexpr std::array kinds{
     std::pair(damage::cut_out, "range cut out"), std::pair(damage::swapped, "bytes swapped")};
 constexpr std::size_t tries = 250; ///< of each kind
 
-/// The same on every machine, unlike the standard's distributions.
+/// A number below `end`, the same on every machine, unlike those of the standard's distributions.
 std::size_t below(std::mt19937_64& random, std::size_t end) {
     return static_cast<std::size_t>(random() % end);
 }
@@ -216,7 +216,7 @@ byte_vector damaged(const byte_vector& good, damage how, std::mt19937_64& random
     return result;
 }
 
-/// The same number and time, and counts in the same cells.
+/// Whether two frames have the same number and time, and counts in the same cells.
 bool only_counts_differ(const kept_frame& a, const kept_frame& b) {
     return a.number == b.number && a.seconds == b.seconds &&
            std::equal(a.cells.begin(), a.cells.end(), b.cells.begin(), b.cells.end(),
