@@ -18,7 +18,7 @@ namespace {
 
 using namespace tactnet;
 
-/// Of five samples, with the rows that were filled. Column c of sample s holds 10 s + c.
+/// A cache of the rows of five samples that records which were filled. Column c of sample s holds 10 s + c.
 struct recorded_cache : kernel_cache {
     std::vector<std::size_t> filled;
 

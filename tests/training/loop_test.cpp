@@ -25,7 +25,7 @@ namespace {
 
 using net = network<support::toy_task::size, conv2d<4, 3>, batch_norm, relu, max_pool<4>, dense<3>>;
 
-struct toy {
+struct toy_setup {
     support::toy_task task{20};
     thread_pool threads;
     recipe how = [] {
@@ -45,9 +45,9 @@ struct toy {
 } // namespace
 
 TEST_CASE("training_loop: begins with the arrays of another network, all but those that are its own") {
-    toy on;
-    on.how.pretrained_rate = 0;
-    on.how.averaging = 0.5;
+    toy_setup setup;
+    setup.how.pretrained_rate = 0;
+    setup.how.averaging = 0.5;
     const std::vector<parameter> parameters = net::describe();
     std::vector<std::vector<float>> arrays;
     for (const parameter& p : parameters)
@@ -60,7 +60,7 @@ TEST_CASE("training_loop: begins with the arrays of another network, all but tho
             .subspan(p.offset, p.size);
     };
 
-    training_loop loop = on.begin(), other = on.begin();
+    training_loop loop = setup.begin(), other = setup.begin();
     loop.start_from_trunk(arrays);
     for (const trainable* each : {&loop.latest(), &loop.best()})
         for (std::size_t i = 0; i < arrays.size(); ++i)
@@ -77,8 +77,8 @@ TEST_CASE("training_loop: begins with the arrays of another network, all but tho
     CHECK_THROWS_AS(loop.start_from_trunk(arrays), std::logic_error);
 
     // A share of one is as another network's arrays at the full rate.
-    on.how.pretrained_rate = 1;
-    training_loop shared = on.begin(), whole = on.begin();
+    setup.how.pretrained_rate = 1;
+    training_loop shared = setup.begin(), whole = setup.begin();
     shared.start_from_trunk(arrays);
     const net& begun = static_cast<const trainable_network<net>&>(shared.latest()).network();
     whole.start_from(begun.learnable_values(), begun.running_statistics());
@@ -87,16 +87,16 @@ TEST_CASE("training_loop: begins with the arrays of another network, all but tho
         CHECK(support::same_bits(values_of(shared.latest(), p), values_of(whole.latest(), p)));
 
     arrays[0].pop_back();
-    CHECK_THROWS_WITH_AS(on.begin().start_from_trunk(arrays),
+    CHECK_THROWS_WITH_AS(setup.begin().start_from_trunk(arrays),
                          "trainer: expected 36 numbers in conv1.weight, found 35", std::invalid_argument);
     arrays.pop_back();
-    CHECK_THROWS_AS(on.begin().start_from_trunk(arrays), std::invalid_argument);
+    CHECK_THROWS_AS(setup.begin().start_from_trunk(arrays), std::invalid_argument);
 }
 
 TEST_CASE("training_loop: networks of a type that it does not know") {
-    toy on;
-    on.how.epochs = 3;
-    training_loop loop = on.begin();
+    toy_setup setup;
+    setup.how.epochs = 3;
+    training_loop loop = setup.begin();
     while (!loop.finished())
         loop.run_epoch();
     REQUIRE(loop.mean().size() == support::toy_task::size.size());
@@ -106,25 +106,25 @@ TEST_CASE("training_loop: networks of a type that it does not know") {
     normalisation<net::input_shape> normalise;
     std::copy(loop.mean().begin(), loop.mean().end(), normalise.mean.begin());
     normalise.scale = loop.scale();
-    const evaluation typed = evaluate(best, normalise, on.task.images(), on.split.test, on.threads);
-    const evaluation any =
-        evaluate(loop.best(), loop.mean(), loop.scale(), on.task.images(), on.split.test, on.threads);
+    const evaluation typed = evaluate(best, normalise, setup.task.images(), setup.split.test, setup.threads);
+    const evaluation any = evaluate(loop.best(), loop.mean(), loop.scale(), setup.task.images(),
+                                    setup.split.test, setup.threads);
     CHECK(typed.loss == any.loss);
     CHECK(typed.recognised == any.recognised);
-    CHECK(typed.confusion.total() == on.split.test.size());
+    CHECK(typed.confusion.total() == setup.split.test.size());
 
     // The mean over reflections is the same whichever way round the images come, and not that of one way.
-    const evaluation reflected = evaluate(best, normalise, on.task.images(), on.split.test, on.threads,
-                                          test_time_augmentation::reflections);
+    const evaluation reflected = evaluate(best, normalise, setup.task.images(), setup.split.test,
+                                          setup.threads, test_time_augmentation::reflections);
     CHECK(reflected.loss != typed.loss);
-    std::vector<std::uint8_t> turned(on.task.pixels.size());
-    for (std::size_t image = 0; image < on.task.labels.size(); ++image)
+    std::vector<std::uint8_t> turned(setup.task.pixels.size());
+    for (std::size_t image = 0; image < setup.task.labels.size(); ++image)
         reflect_image(net::input_shape, {.rows = true, .columns = true},
-                      on.task.pixels.data() + image * net::input_shape.size(),
+                      setup.task.pixels.data() + image * net::input_shape.size(),
                       turned.data() + image * net::input_shape.size());
-    const labelled_images other_way{turned, on.task.labels, 3};
-    const evaluation again = evaluate(loop.best(), loop.mean(), loop.scale(), other_way, on.split.test,
-                                      on.threads, test_time_augmentation::reflections);
+    const labelled_images other_way{turned, setup.task.labels, 3};
+    const evaluation again = evaluate(loop.best(), loop.mean(), loop.scale(), other_way, setup.split.test,
+                                      setup.threads, test_time_augmentation::reflections);
     CHECK(again.loss == reflected.loss);
     CHECK(again.recognised == reflected.recognised);
 
@@ -140,21 +140,21 @@ TEST_CASE("training_loop: networks of a type that it does not know") {
 }
 
 TEST_CASE("training_loop: features go to the network as they are") {
-    toy on;
-    on.how.input = input_rule::scale;
-    on.how.augmentation = augmentation_rule::none;
-    on.how.remeasure_statistics = true;
+    toy_setup setup;
+    setup.how.input = input_rule::scale;
+    setup.how.augmentation = augmentation_rule::none;
+    setup.how.remeasure_statistics = true;
     // How counts are scaled before a network, known in advance.
     std::vector<float> features;
-    for (const std::uint8_t count : on.task.pixels)
+    for (const std::uint8_t count : setup.task.pixels)
         features.push_back(static_cast<float>(count) * (1.0F / 255));
-    const labelled_features found{features, on.task.labels, 3};
-    training_loop on_images = on.begin();
+    const labelled_features found{features, setup.task.labels, 3};
+    training_loop on_images = setup.begin();
     // Whatever is said of images.
-    on.how.input = input_rule::subtract_mean;
-    on.how.augmentation = augmentation_rule::sixfold;
-    training_loop on_features = on.begin(found);
-    CHECK(on_features.samples_per_epoch() == on.split.training.size());
+    setup.how.input = input_rule::subtract_mean;
+    setup.how.augmentation = augmentation_rule::sixfold;
+    training_loop on_features = setup.begin(found);
+    CHECK(on_features.samples_per_epoch() == setup.split.training.size());
     CHECK(on_features.scale() == 1);
     CHECK(std::count(on_features.mean().begin(), on_features.mean().end(), 0.0F) == 91);
     while (!on_images.finished()) {
@@ -165,9 +165,9 @@ TEST_CASE("training_loop: features go to the network as they are") {
     CHECK(support::same_bits(on_images.best().copy()->learnable_values(),
                              on_features.best().copy()->learnable_values()));
     const evaluation by_images = evaluate(on_images.best(), on_images.mean(), on_images.scale(),
-                                          on.task.images(), on.split.test, on.threads),
+                                          setup.task.images(), setup.split.test, setup.threads),
                      by_features = evaluate(on_features.best(), on_features.mean(), on_features.scale(),
-                                            found, on.split.test, on.threads);
+                                            found, setup.split.test, setup.threads);
     CHECK(by_images.loss == by_features.loss);
     CHECK(by_images.recognised == by_features.recognised);
 }
@@ -175,9 +175,9 @@ TEST_CASE("training_loop: features go to the network as they are") {
 TEST_CASE(
     "training_loop: sharpness-aware gradients teach something else, the same on any number of threads") {
     const auto trained = [](double radius, std::size_t threads) {
-        toy on{.threads = thread_pool(threads)};
-        on.how.sharpness_radius = radius;
-        training_loop loop = on.begin();
+        toy_setup setup{.threads = thread_pool(threads)};
+        setup.how.sharpness_radius = radius;
+        training_loop loop = setup.begin();
         const double first_loss = loop.run_epoch().loss;
         CHECK(std::isfinite(first_loss));
         loop.run_epoch();
@@ -194,13 +194,13 @@ TEST_CASE(
 }
 
 TEST_CASE("training_loop: keeps the last network if the recipe demands it") {
-    toy on;
-    on.how.epochs = 12;
-    on.how.rate = 0.3; // at which the loss goes up and down
-    on.how.schedule = constant_rate{};
+    toy_setup setup;
+    setup.how.epochs = 12;
+    setup.how.rate = 0.3; // at which the loss goes up and down
+    setup.how.schedule = constant_rate{};
     const auto keeps_latest = [&](bool keeps_last) {
-        on.how.keeps_last = keeps_last;
-        training_loop loop = on.begin();
+        setup.how.keeps_last = keeps_last;
+        training_loop loop = setup.begin();
         std::size_t times = 0;
         while (!loop.finished()) {
             loop.run_epoch();
@@ -214,19 +214,19 @@ TEST_CASE("training_loop: keeps the last network if the recipe demands it") {
 }
 
 TEST_CASE("training_loop: features that are not finite, and a label smoothing of one, are refused") {
-    toy on;
-    std::vector<float> features(on.task.pixels.size(), 0.5F);
-    const labelled_features found{features, on.task.labels, 3};
-    CHECK_NOTHROW(on.begin(found));
+    toy_setup setup;
+    std::vector<float> features(setup.task.pixels.size(), 0.5F);
+    const labelled_features found{features, setup.task.labels, 3};
+    CHECK_NOTHROW(setup.begin(found));
     features[net::input_shape.size() + 3] = std::numeric_limits<float>::infinity();
-    CHECK_THROWS_WITH_AS(on.begin(found),
+    CHECK_THROWS_WITH_AS(setup.begin(found),
                          "features: expected a finite number in sample 1, feature 3, found inf",
                          std::invalid_argument);
     features[net::input_shape.size() + 3] = 0;
-    on.how.label_smoothing = 0.99;
-    CHECK_NOTHROW(on.begin(found));
-    on.how.label_smoothing = 1;
-    CHECK_THROWS_AS(on.begin(found), std::invalid_argument);
+    setup.how.label_smoothing = 0.99;
+    CHECK_NOTHROW(setup.begin(found));
+    setup.how.label_smoothing = 1;
+    CHECK_THROWS_AS(setup.begin(found), std::invalid_argument);
 }
 
 TEST_CASE(
@@ -249,12 +249,12 @@ TEST_CASE(
 }
 
 TEST_CASE("training_loop: the running average begins as a plain mean, so that it forgets its start") {
-    toy on;
-    on.how.epochs = recipe().epochs;
-    on.how.batch = 0; // one step an epoch
+    toy_setup setup;
+    setup.how.epochs = recipe().epochs;
+    setup.how.batch = 0; // one step an epoch
     const auto values_after = [&](double averaging, std::size_t epochs) {
-        on.how.averaging = averaging;
-        training_loop loop = on.begin();
+        setup.how.averaging = averaging;
+        training_loop loop = setup.begin();
         for (std::size_t e = 0; e < epochs; ++e)
             loop.run_epoch();
         const auto copy = loop.latest().copy();

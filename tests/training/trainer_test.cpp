@@ -34,12 +34,12 @@ data_split split_of(const support::toy_task& task) {
     return split_data(task.labels, 3, split_rule::random, 1);
 }
 
-struct toy {
+struct toy_setup {
     support::toy_task task;
     thread_pool threads;
     recipe how = quick();
 
-    explicit toy(std::size_t each = 20) : task(each) {}
+    explicit toy_setup(std::size_t each = 20) : task(each) {}
     training begin(const data_split& split, std::uint64_t seed = 1) {
         return training(how, task.images(), split, seed, threads);
     }
@@ -113,24 +113,24 @@ TEST_CASE("trainer: the same bits on any number of threads and on every run, for
 }
 
 TEST_CASE("trainer: stopped and gone on with, the same bits as in one go") {
-    toy on;
-    on.how.averaging = 0.9;
-    on.how.patience = 5;
+    toy_setup setup;
+    setup.how.averaging = 0.9;
+    setup.how.patience = 5;
     for (const optimiser& rule : {optimiser(adamw{}), optimiser(sgd{.momentum = 0.8, .l2 = 1e-4})}) {
-        on.how.optimiser = rule;
-        on.how.schedule =
+        setup.how.optimiser = rule;
+        setup.how.schedule =
             std::holds_alternative<sgd>(rule) ? schedule(step_drop{2, 0.5}) : schedule(one_cycle{});
-        training whole = on.begin(3);
+        training whole = setup.begin(3);
         run(whole, 6);
 
-        training first = on.begin(3);
+        training first = setup.begin(3);
         run(first, 2);
         std::map<std::string, std::vector<float>> kept;
         first.for_each_state(
             [&](auto name, auto values) { kept[std::string(name)].assign(values.begin(), values.end()); });
         const std::vector<double> progress = first.progress();
 
-        training second = on.begin(3);
+        training second = setup.begin(3);
         second.for_each_state([&](auto name, auto values) {
             const std::vector<float>& from = kept.at(std::string(name));
             REQUIRE(from.size() == values.size());
@@ -146,9 +146,9 @@ TEST_CASE("trainer: stopped and gone on with, the same bits as in one go") {
 }
 
 TEST_CASE("trainer: progress that no training with its recipe has is refused, and nothing is changed") {
-    toy on;
-    on.how.epochs = 3;
-    training t = on.begin(3);
+    toy_setup setup;
+    setup.how.epochs = 3;
+    training t = setup.begin(3);
     CHECK_NOTHROW(t.restore(t.progress())); // infinite losses before the first validation
     run(t, 3);
     const std::vector<double> right = t.progress();
@@ -161,7 +161,7 @@ TEST_CASE("trainer: progress that no training with its recipe has is refused, an
         CHECK(message.ends_with(", found " + found));
         CHECK(bits_of(t) == before);
     };
-    // Which numbers no training has, loop_parts_test.cpp shows.
+    // loop_parts_test.cpp shows which numbers are refused.
     std::vector<double> more_steps = right, longer = right;
     more_steps[0] += 1;
     refused(more_steps, std::to_string(right[0] + 1));
@@ -171,12 +171,12 @@ TEST_CASE("trainer: progress that no training with its recipe has is refused, an
 }
 
 TEST_CASE("trainer: starts from another network, with its own epsilon and normalisation") {
-    toy on{60};
-    training taught = on.begin();
+    toy_setup setup{60};
+    training taught = setup.begin();
     run(taught, 100);
 
-    on.how.epsilon = 2e-5;
-    training fresh = on.begin(2), started = on.begin(2);
+    setup.how.epsilon = 2e-5;
+    training fresh = setup.begin(2), started = setup.begin(2);
     started.start_from(taught.best());
     CHECK(std::ranges::equal(started.latest().learnable_values(), taught.best().learnable_values()));
     CHECK(std::ranges::equal(started.best().running_statistics(), taught.best().running_statistics()));
@@ -187,28 +187,28 @@ TEST_CASE("trainer: starts from another network, with its own epsilon and normal
 }
 
 TEST_CASE("trainer: a training that diverges stops and reports it") {
-    toy on;
-    on.how.optimiser = sgd{.momentum = 0.9};
-    on.how.schedule = constant_rate{};
-    on.how.rate = 1e30;
-    training t = on.begin();
+    toy_setup setup;
+    setup.how.optimiser = sgd{.momentum = 0.9};
+    setup.how.schedule = constant_rate{};
+    setup.how.rate = 1e30;
+    training t = setup.begin();
     const std::string message = support::error_of<training_diverged>([&] { run(t, 10); });
     CHECK(message.find("training diverged in epoch ") == 0);
     CHECK(message.find("expected a finite loss") != std::string::npos);
 }
 
 TEST_CASE("trainer: a training that diverges in its very last step is reported too") {
-    toy on;
-    on.how.epochs = 1;
-    on.how.batch = 0; // one step, whose loss is that of the first parameters
-    on.how.optimiser = sgd{.momentum = 0.9};
-    on.how.schedule = constant_rate{};
+    toy_setup setup;
+    setup.how.epochs = 1;
+    setup.how.batch = 0; // one step, whose loss is that of the first parameters
+    setup.how.optimiser = sgd{.momentum = 0.9};
+    setup.how.schedule = constant_rate{};
     const auto message = [&](double rate, const data_split& split) {
-        on.how.rate = rate;
-        training t = on.begin(split);
+        setup.how.rate = rate;
+        training t = setup.begin(split);
         return support::error_of<training_diverged>([&] { t.run_epoch(); });
     };
-    data_split split = split_of(on.task);
+    data_split split = split_of(setup.task);
     CHECK(message(1e-3, split) == "no error");
     CHECK(message(1e30, split).find("training diverged in epoch 1, validation: expected a finite loss") == 0);
     CHECK(message(1e300, split).find("training diverged in epoch 1, last step: expected finite parameters") ==
@@ -219,13 +219,13 @@ TEST_CASE("trainer: a training that diverges in its very last step is reported t
 }
 
 TEST_CASE("trainer: keeps the network that was best on the validation images") {
-    toy on;
-    on.how.epochs = 30;
-    const data_split split = split_of(on.task);
+    toy_setup setup;
+    setup.how.epochs = 30;
+    const data_split split = split_of(setup.task);
     // Some wrong labels: the more a network is sure of what it learnt, the worse it is judged.
     for (std::size_t i = 0; i < split.validation.size(); i += 3)
-        on.task.labels[split.validation[i]] = (on.task.labels[split.validation[i]] + 1) % 3;
-    training t = on.begin(split);
+        setup.task.labels[split.validation[i]] = (setup.task.labels[split.validation[i]] + 1) % 3;
+    training t = setup.begin(split);
     double smoothed = 0, smallest = 0, loss = 0;
     bool kept_an_older = false, took_a_newer = false;
     std::vector<float> best;
@@ -240,8 +240,8 @@ TEST_CASE("trainer: keeps the network that was best on the validation images") {
             kept_an_older = true;
         }
         CHECK(std::equal(best.begin(), best.end(), t.best().learnable_values().begin()));
-        const evaluation again =
-            evaluate(t.best(), t.input_normalisation(), on.task.images(), t.split().validation, on.threads);
+        const evaluation again = evaluate(t.best(), t.input_normalisation(), setup.task.images(),
+                                          t.split().validation, setup.threads);
         CHECK(again.loss == loss);
     }
     CHECK(kept_an_older); // or nothing was tested
@@ -250,10 +250,10 @@ TEST_CASE("trainer: keeps the network that was best on the validation images") {
 
 TEST_CASE(
     "trainer: statistics measured anew are those of the network that is validated, over images as they are") {
-    toy on;
-    on.how.epochs = 4;
-    on.how.augmentation = augmentation_rule::each_epoch; // the statistics are not those of varied images
-    on.how.remeasure_statistics = true;
+    toy_setup setup;
+    setup.how.epochs = 4;
+    setup.how.augmentation = augmentation_rule::each_epoch; // the statistics are not those of varied images
+    setup.how.remeasure_statistics = true;
     // Means and variances of batch norms in one batch of all training images.
     const auto measured = [&](const training& t) {
         net network = t.latest();
@@ -262,10 +262,10 @@ TEST_CASE(
         net::output_batch out(t.split().training.size());
         for (std::size_t i = 0; i < in.samples(); ++i)
             in.set(i, t.input_normalisation().apply(
-                          on.task.images().image<net::input_shape>(t.split().training[i])));
+                          setup.task.images().image<net::input_shape>(t.split().training[i])));
         network.momentum = 1;
-        network.prepare(on.threads, space);
-        network.forward(in, out, on.threads, space);
+        network.prepare(setup.threads, space);
+        network.forward(in, out, setup.threads, space);
         return network;
     };
     const auto check = [&](const net& found, const net& expected, std::size_t first, std::size_t count) {
@@ -274,21 +274,21 @@ TEST_CASE(
                   doctest::Approx(expected.running_statistics()[i]).epsilon(1e-4));
     };
     for (const double averaging : {0.0, 0.9}) {
-        on.how.averaging = averaging;
-        on.how.batch = 0;
-        data_split split = split_of(on.task);
-        training whole = on.begin(split);
+        setup.how.averaging = averaging;
+        setup.how.batch = 0;
+        data_split split = split_of(setup.task);
+        training whole = setup.begin(split);
         run(whole, 4);
         check(whole.latest(), measured(whole), 0, net::statistics);
         CHECK(whole.latest().momentum == net().momentum);
 
         split.validation.clear(); // then it is the network at the end that matters
-        training alone = on.begin(split);
+        training alone = setup.begin(split);
         run(alone, 4);
         check(alone.best(), measured(alone), 0, net::statistics);
 
-        on.how.batch = 11; // sizes that differ: 39 images in steps of 9, 10, 10 and 10
-        training small = on.begin();
+        setup.how.batch = 11; // sizes that differ: 39 images in steps of 9, 10, 10 and 10
+        training small = setup.begin();
         run(small, 4);
         // In front of the first batch norm nothing depends on the batch: the mean over batches is that of
         // all.
@@ -299,116 +299,118 @@ TEST_CASE(
 }
 
 TEST_CASE("trainer: a softmax at the end of the list changes nothing in training and evaluation") {
-    toy on;
+    toy_setup setup;
     using bare = network<support::toy_task::size, conv2d<4, 3>, relu, max_pool<4>, dense<3>>;
     using ending = network<support::toy_task::size, conv2d<4, 3>, relu, max_pool<4>, dense<3>, softmax>;
-    trainer<bare> first(quick(), on.task.images(), split_of(on.task), 1, on.threads);
-    trainer<ending> second(quick(), on.task.images(), split_of(on.task), 1, on.threads);
+    trainer<bare> first(quick(), setup.task.images(), split_of(setup.task), 1, setup.threads);
+    trainer<ending> second(quick(), setup.task.images(), split_of(setup.task), 1, setup.threads);
     for (int i = 0; i < 3; ++i)
         first.run_epoch(), second.run_epoch();
     CHECK(first.progress() == second.progress());
     const auto values = first.best().learnable_values();
     CHECK(std::equal(values.begin(), values.end(), second.best().learnable_values().begin()));
-    const evaluation a =
-        evaluate(first.best(), first.input_normalisation(), on.task.images(), first.split().test, on.threads);
-    const evaluation b = evaluate(second.best(), second.input_normalisation(), on.task.images(),
-                                  second.split().test, on.threads);
+    const evaluation a = evaluate(first.best(), first.input_normalisation(), setup.task.images(),
+                                  first.split().test, setup.threads);
+    const evaluation b = evaluate(second.best(), second.input_normalisation(), setup.task.images(),
+                                  second.split().test, setup.threads);
     CHECK(a.loss == b.loss);
     CHECK(a.recognised == b.recognised);
 }
 
 TEST_CASE("trainer: validates when due, and stops when nothing gets better") {
-    toy on;
-    on.how.epochs = 7;
-    on.how.validate_every = 3;
-    training t = on.begin();
+    toy_setup setup;
+    setup.how.epochs = 7;
+    setup.how.validate_every = 3;
+    training t = setup.begin();
     run(t, 100);
     REQUIRE(t.history().size() == 7);
     for (const epoch_report& e : t.history())
         CHECK(std::isnan(e.validation_loss) == !(e.epoch == 3 || e.epoch == 6 || e.epoch == 7));
 
-    on.how.epochs = 100;
-    on.how.validate_every = 1;
-    on.how.patience = 2;
-    on.how.rate = 0; // nothing moves but the running statistics, which settle
-    on.how.augmentation = augmentation_rule::none;
-    on.how.schedule = constant_rate{};
-    on.how.batch = 0;
-    training idle = on.begin();
+    setup.how.epochs = 100;
+    setup.how.validate_every = 1;
+    setup.how.patience = 2;
+    setup.how.rate = 0; // nothing moves but the running statistics, which settle
+    setup.how.augmentation = augmentation_rule::none;
+    setup.how.schedule = constant_rate{};
+    setup.how.batch = 0;
+    training idle = setup.begin();
     run(idle, 1000);
     CHECK(idle.finished());
 }
 
 TEST_CASE("trainer: input as counts minus the mean of the training images, scaled, or as they are") {
-    toy on;
-    training centred = on.begin();
+    toy_setup setup;
+    training centred = setup.begin();
     CHECK(centred.input_normalisation().scale == 1);
-    const auto mean = normalisation<net::input_shape>::mean_of(on.task.pixels, centred.split().training);
+    const auto mean = normalisation<net::input_shape>::mean_of(setup.task.pixels, centred.split().training);
     CHECK(std::equal(mean.begin(), mean.end(), centred.input_normalisation().mean.begin()));
-    on.how.input = input_rule::scale;
-    training scaled = on.begin();
+    setup.how.input = input_rule::scale;
+    training scaled = setup.begin();
     CHECK(scaled.input_normalisation().scale == 1.0f / 255);
     CHECK(scaled.input_normalisation().mean(3, 3) == 0);
-    on.how.input = input_rule::counts;
-    training raw = on.begin();
+    setup.how.input = input_rule::counts;
+    training raw = setup.begin();
     CHECK(raw.input_normalisation().scale == 1);
     CHECK(raw.input_normalisation().mean(3, 3) == 0);
-    on.how.input = input_rule::scale;
+    setup.how.input = input_rule::scale;
     CHECK(centred.samples_per_epoch() == 3 * 13);
-    on.how.augmentation = augmentation_rule::sixfold;
-    training six = on.begin();
+    setup.how.augmentation = augmentation_rule::sixfold;
+    training six = setup.begin();
     CHECK(six.samples_per_epoch() == 6 * centred.samples_per_epoch());
 }
 
 TEST_CASE("trainer: a network that takes counts wants them scaled, for it knows their scale") {
-    toy on{13};
+    toy_setup setup{13};
     using of_counts = network<support::toy_task::size, square_root<>, dense<3>>;
-    on.how.input = input_rule::scale;
-    CHECK(trainer<of_counts>(on.how, on.task.images(), split_of(on.task), 1, on.threads)
+    setup.how.input = input_rule::scale;
+    CHECK(trainer<of_counts>(setup.how, setup.task.images(), split_of(setup.task), 1, setup.threads)
               .input_normalisation()
               .scale == 1.0f / 255);
-    on.how.input = input_rule::subtract_mean;
-    CHECK_THROWS_WITH_AS(trainer<of_counts>(on.how, on.task.images(), split_of(on.task), 1, on.threads),
-                         "trainer: expected input_rule::scale for a network that takes counts, found "
-                         "input_rule::subtract_mean",
-                         std::invalid_argument);
-    on.how.input = input_rule::counts;
-    CHECK_THROWS_WITH_AS(trainer<of_counts>(on.how, on.task.images(), split_of(on.task), 1, on.threads),
-                         "trainer: expected input_rule::scale for a network that takes counts, found "
-                         "input_rule::counts",
-                         std::invalid_argument);
+    setup.how.input = input_rule::subtract_mean;
+    CHECK_THROWS_WITH_AS(
+        trainer<of_counts>(setup.how, setup.task.images(), split_of(setup.task), 1, setup.threads),
+        "trainer: expected input_rule::scale for a network that takes counts, found "
+        "input_rule::subtract_mean",
+        std::invalid_argument);
+    setup.how.input = input_rule::counts;
+    CHECK_THROWS_WITH_AS(
+        trainer<of_counts>(setup.how, setup.task.images(), split_of(setup.task), 1, setup.threads),
+        "trainer: expected input_rule::scale for a network that takes counts, found "
+        "input_rule::counts",
+        std::invalid_argument);
 }
 
 TEST_CASE("trainer: refuses a split without training images") {
-    toy on{4};
-    CHECK_THROWS_AS(on.begin(data_split{{}, {0}, {1}}), std::invalid_argument);
+    toy_setup setup{4};
+    CHECK_THROWS_AS(setup.begin(data_split{{}, {0}, {1}}), std::invalid_argument);
 }
 
 TEST_CASE("trainer: refuses the split of other images, whatever part of it does not fit") {
-    toy on{4};
+    toy_setup setup{4};
     const char* const told = "images: expected indices below 12 in the split, found 12";
-    CHECK_NOTHROW(on.begin(data_split{{0, 11}, {11}, {}}));
-    CHECK_THROWS_WITH_AS(on.begin(data_split{{0, 12}, {1}, {}}), told, std::invalid_argument);
-    CHECK_THROWS_WITH_AS(on.begin(data_split{{0}, {12}, {}}), told, std::invalid_argument);
+    CHECK_NOTHROW(setup.begin(data_split{{0, 11}, {11}, {}}));
+    CHECK_THROWS_WITH_AS(setup.begin(data_split{{0, 12}, {1}, {}}), told, std::invalid_argument);
+    CHECK_THROWS_WITH_AS(setup.begin(data_split{{0}, {12}, {}}), told, std::invalid_argument);
     const std::vector<std::size_t> test{12};
-    CHECK_THROWS_WITH_AS(static_cast<void>(evaluate(net(), {}, on.task.images(), test, on.threads)), told,
-                         std::invalid_argument);
+    CHECK_THROWS_WITH_AS(static_cast<void>(evaluate(net(), {}, setup.task.images(), test, setup.threads)),
+                         told, std::invalid_argument);
 }
 
 TEST_CASE("trainer: images that do not fit the network are refused, in training and in evaluation") {
-    toy on{5};
+    toy_setup setup{5};
     const auto refused = [&](const labelled_images& images, recipe how = quick()) {
-        CHECK_THROWS_AS(training(how, images, split_of(on.task), 1, on.threads), std::invalid_argument);
+        CHECK_THROWS_AS(training(how, images, split_of(setup.task), 1, setup.threads), std::invalid_argument);
         if (how.validate_every > 0)
-            CHECK_THROWS_AS(static_cast<void>(evaluate(net(), {}, images, {}, on.threads)),
+            CHECK_THROWS_AS(static_cast<void>(evaluate(net(), {}, images, {}, setup.threads)),
                             std::invalid_argument);
     };
-    refused({on.task.pixels, on.task.labels, 4}); // more classes than outputs
-    refused({on.task.pixels, on.task.labels, 2}); // a label that is no class
-    refused({on.task.pixels, on.task.labels, 0});
-    refused({std::span(on.task.pixels).first(on.task.pixels.size() - 1), on.task.labels, 3});
+    refused({setup.task.pixels, setup.task.labels, 4}); // more classes than outputs
+    refused({setup.task.pixels, setup.task.labels, 2}); // a label that is no class
+    refused({setup.task.pixels, setup.task.labels, 0});
+    refused({std::span(setup.task.pixels).first(setup.task.pixels.size() - 1), setup.task.labels, 3});
     recipe never = quick();
     never.validate_every = 0;
-    refused(on.task.images(), never);
-    CHECK_NOTHROW(on.begin());
+    refused(setup.task.images(), never);
+    CHECK_NOTHROW(setup.begin());
 }
