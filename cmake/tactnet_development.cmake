@@ -32,6 +32,12 @@ if(TACTNET_NATIVE)
     endif()
 endif()
 
+# GCC looks for memory to give back whenever its heap has doubled; below 1 GB there is no need. This saves a
+# twelfth of the time to compile.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    add_compile_options($<$<COMPILE_LANGUAGE:CXX>:--param=ggc-min-heapsize=1048576>)
+endif()
+
 # In a Release build most of the compiler's time would go into optimising what runs once, or only talks: tests, and the
 # commands of programs, are compiled at -O1. Other configurations say themselves how they are built.
 add_library(tactnet_quick_to_compile INTERFACE)
