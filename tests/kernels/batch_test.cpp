@@ -192,10 +192,10 @@ TEST_CASE("tile_grid: kernels, strides and paddings that have no tile") {
 
 TEST_CASE("tile_grid: taps on padding are not counted") {
     const auto same_as_window = [](shape in, extent2d kernel, padding around) {
-        const auto grid = sliding_window::over(in, kernel, 1, around);
-        const std::size_t expected = 2 * grid.taps_on_pixels() * in.channels * 5;
-        CHECK(direct_cost(batch_convolution::forward(grid, 5)) == expected);
-        CHECK(direct_cost(batch_convolution::backward(grid, 5)) == expected);
+        const auto padded = sliding_window::over(in, kernel, 1, around);
+        const std::size_t expected = 2 * padded.taps_on_pixels() * in.channels * 5;
+        CHECK(direct_cost(batch_convolution::forward(padded, 5)) == expected);
+        CHECK(direct_cost(batch_convolution::backward(padded, 5)) == expected);
     };
     same_as_window({7, 13, 16}, 3, padding::same);
     same_as_window({1, 2, 3}, 3, padding::same);
