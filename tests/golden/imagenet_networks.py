@@ -17,17 +17,17 @@ Made with PyTorch 1.13.0 and torchvision 0.14.1. On Debian 12: apt install pytho
 with the folder of the data it writes squeezenet_imagenet.safetensors: what the real weights make of tactile images.
 """
 
-import json
 import math
 import pathlib
-import struct
 import sys
 
 import numpy
 import torch
 import torchvision
+import weight_files
 from torch import nn
 
+FOLDER = pathlib.Path(__file__).parent
 SAMPLES = 16
 ROUNDOFF = 2.0**-24 * (1 + 2.0**-20)
 
@@ -230,34 +230,11 @@ def summary_of(x):
     return torch.stack([x.value.flatten()[places], x.squares.flatten()[places].sqrt()]).numpy()
 
 
-def read(path):
-    data = path.read_bytes()
-    (length,) = struct.unpack("<Q", data[:8])
-    types = {"F32": "<f4", "F64": "<f8", "U8": "u1"}
-    result = {}
-    for name, entry in json.loads(data[8 : 8 + length]).items():
-        if name != "__metadata__" and entry["dtype"] in types:
-            begin, end = (8 + length + offset for offset in entry["data_offsets"])
-            result[name] = numpy.frombuffer(data[begin:end], types[entry["dtype"]]).reshape(entry["shape"])
-    return result
-
-
-def write(name, tensors):
-    header, data = {}, b""
-    for key, values in tensors.items():
-        piece = values.astype("<f8").tobytes()
-        header[key] = {"dtype": "F64", "shape": list(values.shape), "data_offsets": [len(data), len(data) + len(piece)]}
-        data += piece
-    text = json.dumps(header).encode()
-    text += b" " * (-len(text) % 8)
-    pathlib.Path(__file__).with_name(name).write_bytes(struct.pack("<Q", len(text)) + text + data)
-
-
 def real_weights(folder):
     """SqueezeNet 1.1 with the weights of ImageNet on a few of the tactile images beside them, each tactel repeated to
     227 x 227: then both sides see the same numbers."""
-    weights = read(folder / "squeezenet1_1_imagenet_features.safetensors")
-    images = read(folder / "published_tactnet4_14x25_golden.safetensors")["inputs"].reshape(110, 14, 25)
+    weights = weight_files.read(folder / "squeezenet1_1_imagenet_features.safetensors")
+    images = weight_files.read(folder / "published_tactnet4_14x25_golden.safetensors")["inputs"].reshape(110, 14, 25)
     mean = torch.from_numpy(weights.pop("input_mean").copy())
     model = torchvision.models.squeezenet1_1(weights=None).features
     model.load_state_dict({k.removeprefix("features."): torch.from_numpy(v.copy()) for k, v in weights.items()})
@@ -281,7 +258,7 @@ def real_weights(folder):
             error = (model(counts.double()) - x.value).abs().max() / x.value.abs().max()
             assert error < 1e-12, error
             print(number, float(x.value.abs().max()))
-    write("squeezenet_imagenet.safetensors", tensors)
+    weight_files.write(FOLDER / "squeezenet_imagenet.safetensors", tensors)
 
 
 models = torchvision.models
@@ -330,4 +307,4 @@ with torch.no_grad():
             assert error < 1e-12, (name, error)
         print(name, float(x.value.abs().max()), float((x.squares.sqrt() / x.value.abs()).median()))
 
-write("imagenet_networks.safetensors", tensors)
+weight_files.write(FOLDER / "imagenet_networks.safetensors", tensors)

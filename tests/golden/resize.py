@@ -6,14 +6,13 @@ Made with OpenCV 4.6.0 (INTER_CUBIC: a = -3/4, no antialiasing, last pixel repea
 border. On Debian 12: apt install python3-opencv python3-torch python3-pil, then python3 resize.py.
 """
 
-import json
 import pathlib
-import struct
 
 import cv2
 import numpy
 import PIL.Image
 import torch
+import weight_files
 
 ROWS, COLUMNS = 20, 33
 SIZES = [(10, 13), (41, 70), (31, 20), (7, 66), (20, 33)]
@@ -38,12 +37,4 @@ for rows, columns in SIZES:
         PIL.Image.fromarray(image).resize((columns, rows), PIL.Image.Resampling.BICUBIC)
     )
 
-header, data = {}, b""
-for name, values in tensors.items():
-    piece = values.astype("<f4").tobytes()
-    header[name] = {"dtype": "F32", "shape": list(values.shape), "data_offsets": [len(data), len(data) + len(piece)]}
-    data += piece
-text = json.dumps(header).encode()
-text += b" " * (-len(text) % 8)
-path = pathlib.Path(__file__).with_suffix(".safetensors")
-path.write_bytes(struct.pack("<Q", len(text)) + text + data)
+weight_files.write(pathlib.Path(__file__).with_suffix(".safetensors"), tensors)

@@ -7,15 +7,14 @@ writes nothing: it computes outputs and gradients again from the file's weights 
 exit status is 77.
 """
 
-import json
 import pathlib
-import struct
 import sys
 
 try:
     import numpy
     import torch
     from torch import nn
+    import weight_files
 except ImportError as missing:
     print(missing)
     sys.exit(77)
@@ -53,31 +52,8 @@ def results(state, recording, direction):
     return tensors
 
 
-def write(tensors):
-    header, data = {}, b""
-    for key, values in tensors.items():
-        piece = values.tobytes()
-        kind = {"float32": "F32", "float64": "F64"}[str(values.dtype)]
-        header[key] = {"dtype": kind, "shape": list(values.shape), "data_offsets": [len(data), len(data) + len(piece)]}
-        data += piece
-    text = json.dumps(header).encode()
-    text += b" " * (-len(text) % 8)
-    FILE.write_bytes(struct.pack("<Q", len(text)) + text + data)
-
-
-def read():
-    data = FILE.read_bytes()
-    (length,) = struct.unpack("<Q", data[:8])
-    result = {}
-    for name, entry in json.loads(data[8 : 8 + length]).items():
-        begin, end = (8 + length + offset for offset in entry["data_offsets"])
-        kind = {"F32": "<f4", "F64": "<f8"}[entry["dtype"]]
-        result[name] = numpy.frombuffer(data[begin:end], kind).reshape(entry["shape"])
-    return result
-
-
 if "--check" in sys.argv:
-    stored = read()
+    stored = weight_files.read(FILE)
     state = {name: values for name, values in stored.items() if not name.startswith("selftest.")}
     found = results(state, stored["selftest.input"], stored["selftest.direction"])
     for name, values in found.items():
@@ -90,4 +66,5 @@ torch.manual_seed(44)
 weights = {name: values.numpy() for name, values in Network().state_dict().items()}
 recording = torch.randn(FEATURES, FRAMES).numpy()
 direction = torch.randn(5).numpy()
-write(weights | {"selftest.input": recording, "selftest.direction": direction} | results(weights, recording, direction))
+arrays = weights | {"selftest.input": recording, "selftest.direction": direction}
+weight_files.write(FILE, arrays | results(weights, recording, direction))

@@ -5,13 +5,14 @@ FOLDER/NAME.safetensors holds a layer's arrays under PyTorch's names, inputs, ou
 gradients of inputs and arrays that follow from it. The names and sizes of the table stand in compare.cpp too.
 """
 
-import json
 import pathlib
-import struct
 import sys
 
 import torch
 from torch import nn
+
+sys.path.append(str(pathlib.Path(__file__).parents[2] / "golden"))
+import weight_files
 
 # name: (layer, its name in the network, size of the input: channels, rows, columns)
 LAYERS = {
@@ -39,21 +40,6 @@ LAYERS = {
 SAMPLES = 3
 
 
-def save(path, arrays):
-    header, data = {}, b""
-    for name, array in arrays.items():
-        piece = array.detach().numpy().astype("<f4").tobytes()
-        header[name] = {
-            "dtype": "F32",
-            "shape": list(array.shape),
-            "data_offsets": [len(data), len(data) + len(piece)],
-        }
-        data += piece
-    text = json.dumps(header).encode()
-    text += b" " * (-len(text) % 8)
-    path.write_bytes(struct.pack("<Q", len(text)) + text + data)
-
-
 folder = pathlib.Path(sys.argv[1])
 folder.mkdir(parents=True, exist_ok=True)
 torch.manual_seed(1)
@@ -72,5 +58,6 @@ for name, (layer, own_name, size) in LAYERS.items():
         "selftest.input_gradient": x.grad,
     }
     arrays |= {f"selftest.gradient.{own_name}.{p}": value.grad for p, value in layer.named_parameters()}
-    save(folder / f"{name}.safetensors", arrays)
+    arrays = {key: value.detach().numpy() for key, value in arrays.items()}
+    weight_files.write(folder / f"{name}.safetensors", arrays)
 print(f"{len(LAYERS)} layers of PyTorch {torch.__version__}")

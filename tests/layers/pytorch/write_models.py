@@ -9,28 +9,13 @@ Parameters are drawn, so that none hides a mistake, and the logits are computed 
 
 import json
 import pathlib
-import struct
 import sys
 
-import numpy
 import torch
 from torch import nn
 
-
-def save(path, arrays, metadata):
-    """Writes arrays by name, and metadata, as a safetensors file."""
-    kinds = {"float32": "F32", "uint8": "U8"}
-    header, data = {"__metadata__": metadata}, b""
-    for name, array in arrays.items():
-        header[name] = {
-            "dtype": kinds[array.dtype.name],
-            "shape": array.shape,
-            "data_offsets": [len(data), len(data) + array.nbytes],
-        }
-        data += array.tobytes()
-    text = json.dumps(header).encode()
-    text += b" " * (-len(text) % 8)
-    path.write_bytes(struct.pack("<Q", len(text)) + text + data)
+sys.path.append(str(pathlib.Path(__file__).parents[2] / "golden"))
+import weight_files
 
 
 class ChannelsLast(nn.LayerNorm):
@@ -131,7 +116,7 @@ def main(folder):
         arrays |= {"selftest.input": images.numpy(), "selftest.logits": logits.numpy()}
         classes = [f"output_{i}" for i in range(logits.shape[1])]
         metadata = {"format": "tactnet", "version": "1", "input": "scale", "input_scale": str(SCALE)}
-        save(folder / f"{name}.safetensors", arrays, metadata | {"classes": json.dumps(classes)})
+        weight_files.write(folder / f"{name}.safetensors", arrays, metadata | {"classes": json.dumps(classes)})
 
 
 main(pathlib.Path(sys.argv[1]))
