@@ -29,22 +29,21 @@ words with(words command, const std::string& option, const std::string& value) {
     return command;
 }
 
+void expect_no_escape(const scene& s, const ending& end) {
+    s.expect((end.out + end.error).find('\x1b') == std::string::npos, "a terminal gets control characters");
+}
+
 /// Exit status 2, a message, and nothing changed.
-finding must_refuse(scene& s, const words& command, const std::string& what) {
+void must_refuse(scene& s, const words& command, const std::string& what) {
     const auto before = files_in(s.folder);
     conditions under = without_pictures;
     under.patience = std::chrono::seconds(20);
     const ending end = s.run(command, under);
-    if (!end.orderly())
-        return s.aborted(end);
-    if (end.status != 2 || end.error.empty())
-        return s.silent(what + ": expected to be refused, found " + end.text());
-    if (files_in(s.folder) != before)
-        return s.silent(what + ": refused, but files were changed");
-    return s.handled();
+    s.expect(end.status == 2 && !end.error.empty(), what + ": expected to be refused, found " + end.text());
+    s.expect(files_in(s.folder) == before, what + ": refused, but files were changed");
 }
 
-finding number(scene& s) {
+void number(scene& s) {
     words values = words_of("nan inf -inf -1 1e999 5x --5 -0.5 ٣ 1e- true");
     values.insert(values.end(), {"", " ", "1 2", "\n", "+ 1", "99999999999999999999999999"});
     const words train = s.made.train({"--epochs", "2", "--output", "out"}),
@@ -61,17 +60,13 @@ finding number(scene& s) {
     };
     const auto& [command, options] = s.one_of(takers);
     const std::string option = s.one_of(options), value = s.one_of(values);
-    if (value == values.back() && (option == "--rate" || option == "--checkpoint-every")) {
+    if (value == values.back() && (option == "--rate" || option == "--checkpoint-every"))
         // A number, which has its consequences.
-        const ending end = s.run(with(command, option, value), without_pictures);
-        if (!end.orderly())
-            return s.aborted(end);
-        return end.status != 0 && end.error.empty() ? s.silent("no message") : s.handled();
-    }
-    return must_refuse(s, with(command, option, value), option + " '" + value + "'");
+        return s.expect_message(s.run(with(command, option, value), without_pictures), option);
+    must_refuse(s, with(command, option, value), option + " '" + value + "'");
 }
 
-finding equal_names(scene& s) {
+void equal_names(scene& s) {
     s.bring("net");
     s.bring("svm-linear");
     fs::create_symlink("net", s.folder / "link");
@@ -89,11 +84,11 @@ finding equal_names(scene& s) {
         s.made.train(
             {"--epochs", "2", "--start", name, "--output", "new", "--checkpoint", other, "--afresh"}),
     };
-    return must_refuse(s, s.one_of(commands), "equal names");
+    must_refuse(s, s.one_of(commands), "equal names");
 }
 
 /// Words in any order: they may mean something, or not.
-finding any_words(scene& s) {
+void any_words(scene& s) {
     s.bring("net");
     s.bring("sample.csv");
     words pool = words_of(
@@ -114,45 +109,33 @@ finding any_words(scene& s) {
         command.insert(command.begin() + 1 + static_cast<std::ptrdiff_t>(s.below(command.size())),
                        s.one_of(pool));
     const ending end = s.run(command, without_pictures);
-    if (!end.orderly())
-        return s.aborted(end);
-    if (end.status != 0 && end.error.empty())
-        return s.silent("exit status " + std::to_string(end.status) + " without a word");
-    for (const std::string* text : {&end.out, &end.error})
-        if (text->find('\x1b') != std::string::npos)
-            return s.silent("a terminal gets control characters");
-    return s.handled();
+    s.expect_message(end, "any words");
+    expect_no_escape(s, end);
 }
 
 /// Something at `place` that is no file to read.
 std::string put_trap(scene& s, const fs::path& place) {
     fs::remove_all(place);
-    switch (s.below(6)) {
-    case 0:
-        static_cast<void>(::mkfifo(place.c_str(), 0666));
-        return "a pipe";
-    case 1:
+    const std::pair<const char*, fs::path> traps[]{{"a pipe", {}},
+                                                   {"a folder", {}},
+                                                   {"a dangling link", "nowhere"},
+                                                   {"a link to itself", place.filename()},
+                                                   {"an endless device", "/dev/zero"},
+                                                   {"unreadable memory", "/proc/self/mem"}};
+    const auto& [what, target] = s.one_of(traps);
+    if (!target.empty())
+        fs::create_symlink(target, place);
+    else if (what == traps[1].first)
         fs::create_directory(place);
-        return "a folder";
-    case 2:
-        fs::create_symlink("nowhere", place);
-        return "a dangling link";
-    case 3:
-        fs::create_symlink(place.filename(), place);
-        return "a link to itself";
-    case 4:
-        fs::create_symlink("/dev/zero", place);
-        return "an endless device";
-    default:
-        fs::create_symlink("/proc/self/mem", place);
-        return "unreadable memory";
-    }
+    else
+        static_cast<void>(::mkfifo(place.c_str(), 0666));
+    return what;
 }
 
-finding strange_input(scene& s) {
+void strange_input(scene& s) {
     for (const char* name : {"net", "stopped.checkpoint", "data", "results", "simulated", "sample.csv"})
         s.bring(name);
-    const std::string data = (s.folder / "data").string(), number = std::to_string(epochs);
+    const std::string data = (s.folder / "data").string(), number = epochs;
     const auto& where = s.made.where();
     struct reader {
         std::string place;
@@ -183,21 +166,16 @@ finding strange_input(scene& s) {
     conditions under = without_pictures;
     under.patience = std::chrono::seconds(20);
     const ending end = s.run(chosen.command, under);
-    if (!end.orderly())
-        return s.aborted(end);
     // A link to nothing may be a name to write to. What is no folder next to those of classes, and a folder
     // within one, are passed over, as is documented.
     const bool may_do = (what == "a dangling link" && chosen.place != "trap") ||
                         chosen.place == "data/left" ||
                         (what == "a folder" && chosen.place == "data/left/image3.png");
-    if (end.status == 0 && !may_do)
-        return s.silent(what + " as " + chosen.place + " was taken for a file");
-    if (end.status != 0 && end.error.empty())
-        return s.silent(what + " as " + chosen.place + ": no message");
-    return s.handled();
+    s.expect(end.status != 0 || may_do, what + " as " + chosen.place + " was taken for a file");
+    s.expect_message(end, what + " as " + chosen.place);
 }
 
-finding strange_output(scene& s) {
+void strange_output(scene& s) {
     s.bring("net");
     words names = words_of(
         "-x --output a'b a\"b a\\b \xff\xfe ä %s%n \x1b[2J . .. a/ .hidden * @x #x net.confusion.png");
@@ -207,7 +185,7 @@ finding strange_output(scene& s) {
                   std::string(255, 'n'), std::string(300, 'n')});
     const std::string name = s.one_of(names);
     const std::vector<words> writers{
-        s.made.train({"--epochs", std::to_string(epochs), "--output=" + name}),
+        s.made.train({"--epochs", epochs, "--output=" + name}),
         s.made.tactnet({"export", "--weights", "net", "--output=" + name}),
         s.made.evaluate({"--results=" + name}),
         s.made.tactnet({"simulate", "--per-class", "1", "--out=" + name}),
@@ -217,29 +195,24 @@ finding strange_output(scene& s) {
     const std::size_t which = s.below(writers.size());
     conditions under; // with pictures: they are what names become commands in
     const ending end = s.run(writers[which], under);
-    if (!end.orderly())
-        return s.aborted(end);
-    if (fs::exists(s.folder / "hacked"))
-        return s.silent("a name became a command");
+    s.expect(!fs::exists(s.folder / "hacked"), "a name became a command");
+    s.expect_message(end, "a strange name");
     if (end.status != 0)
-        return end.error.empty() ? s.silent("no message") : s.handled();
-    if (end.error.find('\x1b') != std::string::npos || end.out.find('\x1b') != std::string::npos)
-        return s.silent("a terminal gets control characters");
-    if (which == 0 && bytes_of(s.folder / name) != bytes_of(s.made / "net"))
-        return s.silent("other weights under a strange name");
-    if (which < 4 && !fs::exists(s.folder / name))
-        return s.silent("nothing of that name, exit status 0");
-    return s.handled();
+        return;
+    expect_no_escape(s, end);
+    s.expect(which != 0 || bytes_of(s.folder / name) == bytes_of(s.made / "net"),
+             "other weights under a strange name");
+    s.expect(which >= 4 || fs::exists(s.folder / name), "nothing of that name, exit status 0");
 }
 
 } // namespace
 
-finding ask_for_nonsense(scene& s, std::size_t index) {
+void ask_for_nonsense(scene& s, std::size_t index) {
     constexpr std::array kinds{number, equal_names, any_words};
-    return kinds[index % kinds.size()](s);
+    kinds[index % kinds.size()](s);
 }
 
-finding name_strange_files(scene& s, std::size_t number) {
+void name_strange_files(scene& s, std::size_t number) {
     return number % 2 == 0 ? strange_input(s) : strange_output(s);
 }
 

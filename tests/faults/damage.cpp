@@ -29,10 +29,7 @@ std::string weights_of(const ending&, const fs::path& folder) {
     return bytes_of(folder / "net");
 }
 std::string results_of(const ending&, const fs::path& folder) {
-    std::string all;
-    for (const std::string& line : results_in(folder / "results" / "evaluation.jsonl"))
-        all += line + '\n';
-    return all;
+    return text_of(results_in(folder / "results" / "evaluation.jsonl"));
 }
 std::string images_of(const ending&, const fs::path& folder) {
     std::string all;
@@ -57,8 +54,8 @@ const std::array<reading, 10> readings{{
     {"svm-linear", nullptr, [](const materials& m) { return m.classify("svm-linear"); }, printed, true},
     {"stopped.checkpoint", nullptr,
      [](const materials& m) {
-         return m.train({"--epochs", std::to_string(epochs), "--output", "net", "--checkpoint",
-                         "stopped.checkpoint", "--resume"});
+         return m.train(
+             {"--epochs", epochs, "--output", "net", "--checkpoint", "stopped.checkpoint", "--resume"});
      },
      weights_of, true},
     {"results/evaluation.jsonl", "results",
@@ -99,23 +96,18 @@ std::string damaged_by_bit(scene& s, std::string bytes) {
     return bytes;
 }
 
-finding read_damaged(scene& s, const reading& r, const std::string& damage,
-                     const std::function<std::string(const std::string&)>& damaged, bool must_report) {
+void read_damaged(scene& s, const reading& r, const std::string& damage,
+                  const std::function<std::string(const std::string&)>& damaged, bool must_report) {
     const std::string& right = undamaged(s, r);
     s.bring(r.folder != nullptr ? r.folder : r.file);
     write_bytes(s.folder / r.file, damaged(bytes_of(s.folder / r.file)));
     const ending end = s.run(r.command(s.made), without_pictures);
-    if (!end.orderly())
-        return s.aborted(end);
     const std::string what = std::string(r.file) + ", " + damage;
-    if (end.status != 0)
-        return end.error.empty() ? s.silent(what + ": no message") : s.handled();
-    const bool reported = end.error.find("warning") != std::string::npos;
-    if (!reported && r.outcome(end, s.folder) != right)
-        return s.silent(what + ": another result without a word");
-    if (!reported && must_report)
-        return s.silent(what + ": not noticed, though without effect here");
-    return s.handled();
+    s.expect_message(end, what);
+    if (end.status != 0 || end.error.find("warning") != std::string::npos)
+        return;
+    s.expect(r.outcome(end, s.folder) == right, what + ": another result without a word");
+    s.expect(!must_report, what + ": not noticed, though without effect here");
 }
 
 ending decode(scene& s, const std::string& name, const std::string& bytes) {
@@ -143,20 +135,18 @@ std::string without_times(std::string text) {
     return text;
 }
 
-finding decode_damaged(scene& s, const std::string& name, const std::string& bytes, bool must_report) {
+/// Other frames, by what of them is `compared`, need a message.
+void decode_damaged(scene& s, const std::string& name, const std::string& bytes, bool must_report,
+                    std::string (*compared)(std::string) = without_times) {
     const ending end = decode(s, name, bytes);
-    if (!end.orderly())
-        return s.aborted(end);
-    if (end.status != 0)
-        return end.error.empty() ? s.silent(name + ": no message") : s.handled();
-    if (must_report && end.error.empty() &&
-        without_times(end.out) != without_times(decode(s, name, bytes_of(s.made / name)).out))
-        return s.silent(name + ": other frames without a word");
-    return s.handled();
+    s.expect_message(end, name);
+    if (must_report && end.error.empty())
+        s.expect(compared(end.out) == compared(decode(s, name, bytes_of(s.made / name)).out),
+                 name + ": other frames without a word");
 }
 
 /// The rows of frames in CSV, without the lines of their numbers and times, which no sum covers.
-std::string cells_of(const std::string& csv) {
+std::string cells_of(std::string csv) {
     std::string cells;
     for (const std::string& line : lines_of(csv))
         if (!line.starts_with("frame"))
@@ -190,28 +180,19 @@ bool sums_hold(const std::string& text) {
 }
 
 /// For a text recording whose frames have sums: other cells need a message, unless every sum still holds.
-finding decode_summed(scene& s, const std::string& bytes) {
-    const std::string name = "sample.csv";
-    const ending end = decode(s, name, bytes);
-    if (!end.orderly())
-        return s.aborted(end);
-    if (end.status != 0)
-        return end.error.empty() ? s.silent(name + ": no message") : s.handled();
-    if (end.error.empty() && !sums_hold(bytes) &&
-        cells_of(end.out) != cells_of(decode(s, name, bytes_of(s.made / name)).out))
-        return s.silent(name + ": other frames without a word");
-    return s.handled();
+void decode_summed(scene& s, const std::string& bytes) {
+    decode_damaged(s, "sample.csv", bytes, !sums_hold(bytes), cells_of);
 }
 
 } // namespace
 
-finding flip_bits(scene& s, std::size_t number) {
+void flip_bits(scene& s, std::size_t number) {
     const reading& r = readings[number % readings.size()];
-    return read_damaged(
+    read_damaged(
         s, r, "a bit flipped", [&](const std::string& bytes) { return damaged_by_bit(s, bytes); }, r.summed);
 }
 
-finding flip_bits_of_recordings(scene& s, std::size_t number) {
+void flip_bits_of_recordings(scene& s, std::size_t number) {
     const std::array<const char*, 4> names{"sample.csv", "own.stream", "sample.fsx", "sample.mp"};
     const std::string name = names[number % names.size()];
     const std::string right = bytes_of(s.made / name);
@@ -224,14 +205,14 @@ finding flip_bits_of_recordings(scene& s, std::size_t number) {
     while (bytes[changed] == right[changed])
         ++changed;
     // Whoever joins a stream cannot know that a packet came before.
-    return decode_damaged(s, name, bytes, name == "own.stream" && changed >= 2);
+    decode_damaged(s, name, bytes, name == "own.stream" && changed >= 2);
 }
 
-finding flip_two_bits_of_sums(scene& s, std::size_t) {
-    return decode_summed(s, damaged_by_bit(s, damaged_by_bit(s, bytes_of(s.made / "sample.csv"))));
+void flip_two_bits_of_sums(scene& s, std::size_t) {
+    decode_summed(s, damaged_by_bit(s, damaged_by_bit(s, bytes_of(s.made / "sample.csv"))));
 }
 
-finding cut_files(scene& s, std::size_t number) {
+void cut_files(scene& s, std::size_t number) {
     constexpr std::size_t recordings = 5, images = 1;
     std::size_t kind = number % (readings.size() + recordings + images);
     if (kind < readings.size()) {
@@ -255,15 +236,12 @@ finding cut_files(scene& s, std::size_t number) {
     const std::string whole = bytes_of(image);
     const std::size_t size = s.below(whole.size());
     write_bytes(image, whole.substr(0, size));
-    const ending end = s.run(
-        s.made.train({"--epochs", std::to_string(epochs), "--output", "net"}, (s.folder / "data").string()),
-        without_pictures);
-    if (!end.orderly())
-        return s.aborted(end);
-    if (end.status == 0 && end.error.find("warning") == std::string::npos &&
-        bytes_of(s.folder / "net") != bytes_of(s.made / "net"))
-        return s.silent("an image cut to " + std::to_string(size) + " bytes: other weights without a word");
-    return s.handled();
+    const ending end =
+        s.run(s.made.train({"--epochs", epochs, "--output", "net"}, (s.folder / "data").string()),
+              without_pictures);
+    s.expect(end.status != 0 || end.error.find("warning") != std::string::npos ||
+                 bytes_of(s.folder / "net") == bytes_of(s.made / "net"),
+             "an image cut to " + std::to_string(size) + " bytes: other weights without a word");
 }
 
 } // namespace faults

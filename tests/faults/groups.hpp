@@ -5,6 +5,7 @@
 
 #include "scene.hpp"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,8 @@ struct job {
     std::string input;               ///< from the standard input
     bool prints;                     ///< results on the standard output, which must not be lost
     bool draws;                      ///< pictures
-    std::string (*wrong)(const materials&, const fs::path& folder, bool done); ///< of what is left there
+    std::function<std::string(const materials&, const fs::path& folder, bool done)>
+        wrong; ///< of what is left
 };
 
 /// All of them, or those that leave files.
@@ -25,33 +27,34 @@ std::vector<job> jobs(const materials& made, bool only_writers = false);
 
 /// Runs a job in a folder of the scene. Judges how it ended, and what it left under its final names.
 /// `heard`: whether messages reach anyone.
-finding attempt(scene& s, const job& what, conditions under, bool heard = true);
+void attempt(scene& s, const job& what, conditions under, bool heard = true);
 
-/// Why something that is left is not what an undisturbed program leaves; empty if all is well.
-std::string wrong_among_reports(const fs::path& folder);
+/// Throws a finding if something that is left is not what an undisturbed program leaves. `when`: for people.
+void expect_right(const scene& s, const job& what, bool done, const std::string& when);
 
+/// Its cases throw a finding unless the programs handle them.
 struct group {
     std::string name;
     /// Of how many cases this is one when all groups share a number of cases.
     std::size_t share;
-    finding (*attempt)(scene&, std::size_t number);
+    void (*attempt)(scene&, std::size_t number);
     /// Why there can be no such cases here; empty if there can.
     std::string (*missing)(const programs&);
 };
 
-finding flip_bits(scene& s, std::size_t number);
-finding flip_bits_of_recordings(scene& s, std::size_t number);
-finding flip_two_bits_of_sums(scene& s, std::size_t number);
-finding replace_values(scene& s, std::size_t number);
-finding cut_files(scene& s, std::size_t number);
-finding kill_and_resume(scene& s, std::size_t number);
-finding fill_the_disk(scene& s, std::size_t number);
-finding limit_files(scene& s, std::size_t number);
-finding break_streams(scene& s, std::size_t number);
-finding take_resources(scene& s, std::size_t number);
-finding set_the_clock(scene& s, std::size_t number);
-finding ask_for_nonsense(scene& s, std::size_t number);
-finding name_strange_files(scene& s, std::size_t number);
+void flip_bits(scene& s, std::size_t number);
+void flip_bits_of_recordings(scene& s, std::size_t number);
+void flip_two_bits_of_sums(scene& s, std::size_t number);
+void replace_values(scene& s, std::size_t number);
+void cut_files(scene& s, std::size_t number);
+void kill_and_resume(scene& s, std::size_t number);
+void fill_the_disk(scene& s, std::size_t number);
+void limit_files(scene& s, std::size_t number);
+void break_streams(scene& s, std::size_t number);
+void take_resources(scene& s, std::size_t number);
+void set_the_clock(scene& s, std::size_t number);
+void ask_for_nonsense(scene& s, std::size_t number);
+void name_strange_files(scene& s, std::size_t number);
 
 /// Mounts a small disk for `fill_the_disk`, away from everyone else; why not, if not.
 std::string small_disk(const programs& which);

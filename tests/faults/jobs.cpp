@@ -1,6 +1,7 @@
 #include "groups.hpp"
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <string>
 #include <tuple>
@@ -15,23 +16,15 @@ std::string differs(const materials& made, const std::string& original, const fs
     return bytes_of(left) == bytes_of(made / original) ? "" : left.filename().string() + " is another one";
 }
 
-std::string nothing(const materials&, const fs::path&, bool) {
-    return "";
-}
-std::string network(const materials& made, const fs::path& folder, bool done) {
-    std::string problem = differs(made, "net", folder / "net", done);
-    for (const char* report : {"net.confusion.csv", "net.learning.csv"})
-        if (problem.empty())
-            problem = differs(made, report, folder / report, done);
-    return problem;
-}
-std::string machine(const materials& made, const fs::path& folder, bool done) {
-    const std::string problem = differs(made, "svm-rbf", folder / "svm-rbf", done);
-    return problem.empty() ? differs(made, "svm-rbf.confusion.csv", folder / "svm-rbf.confusion.csv", done)
-                           : problem;
-}
-std::string header(const materials& made, const fs::path& folder, bool done) {
-    return differs(made, "net.hpp", folder / "net.hpp", done);
+/// Whether these files are as they were made.
+auto as_made(const words& names) {
+    return [=](const materials& made, const fs::path& folder, bool done) {
+        std::string problem;
+        for (const std::string& name : names)
+            if (problem.empty())
+                problem = differs(made, name, folder / name, done);
+        return problem;
+    };
 }
 std::string results(const materials& made, const fs::path& folder, bool done) {
     const auto right = results_in(made / "results/evaluation.jsonl"),
@@ -58,8 +51,7 @@ std::string images(const materials& made, const fs::path& folder, bool done) {
     return done && left.size() != right.size() ? "images are missing" : "";
 }
 
-} // namespace
-
+/// Why a report that is left is not what an undisturbed program leaves; empty if all is well.
 std::string wrong_among_reports(const fs::path& folder) {
     for (const auto& entry : fs::recursive_directory_iterator(folder)) {
         const std::string name = entry.path().filename().string();
@@ -77,31 +69,39 @@ std::string wrong_among_reports(const fs::path& folder) {
     return "";
 }
 
+} // namespace
+
+void expect_right(const scene& s, const job& what, bool done, const std::string& when) {
+    for (const std::string& problem : {what.wrong(s.made, s.folder, done), wrong_among_reports(s.folder)})
+        s.expect(problem.empty(), what.name + when + ": " + problem);
+}
+
 std::vector<job> jobs(const materials& made, bool only_writers) {
-    const std::string number = std::to_string(epochs), data = (made / "data").string();
+    const std::string data = (made / "data").string();
+    const auto network = as_made({"net", "net.confusion.csv", "net.learning.csv"});
     std::vector<job> all;
     const auto add = [&](const std::string& name, const words& command, const words& brings = {},
                          bool draws = false, const std::string& input = "") -> job& {
-        return all.emplace_back(job{name, command, brings, input, true, draws, nothing});
+        return all.emplace_back(job{name, command, brings, input, true, draws, as_made({})});
     };
-    add("train", made.train({"--epochs", number, "--output", "net"}), {}, true).wrong = network;
+    add("train", made.train({"--epochs", epochs, "--output", "net"}), {}, true).wrong = network;
     add("train with checkpoints",
-        made.train({"--epochs", number, "--output", "net", "--checkpoint-every", "0.0000001"}), {}, true)
+        made.train({"--epochs", epochs, "--output", "net", "--checkpoint-every", "0.0000001"}), {}, true)
         .wrong = network;
     add("train an SVM",
         made.tactnet({"train", "--data", data, "--method", "svm-rbf", "--rows", "7", "--columns", "13",
                       "--seed", "5", "--output", "svm-rbf"}),
         {}, true)
-        .wrong = machine;
+        .wrong = as_made({"svm-rbf", "svm-rbf.confusion.csv"});
     add("evaluate", made.evaluate({"--results", "results"}), {}, true).wrong = results;
     job& exported =
         add("export", made.tactnet({"export", "--weights", "net", "--output", "net.hpp"}), {"net"});
-    exported.prints = false, exported.wrong = header;
+    exported.prints = false, exported.wrong = as_made({"net.hpp"});
     add("simulate", made.simulate("simulated")).wrong = images;
     if (only_writers)
         return all;
     add("go on",
-        made.train({"--epochs", number, "--output", "net", "--checkpoint", "stopped.checkpoint", "--resume"}),
+        made.train({"--epochs", epochs, "--output", "net", "--checkpoint", "stopped.checkpoint", "--resume"}),
         {"stopped.checkpoint"});
     add("evaluate weights", made.tactnet({"evaluate", "--data", data, "--weights", "net"}), {"net"}, true);
     add("classify", made.classify("net"), {"net"});
@@ -127,37 +127,31 @@ std::vector<job> jobs(const materials& made, bool only_writers) {
     return all;
 }
 
-finding attempt(scene& s, const job& what, conditions under, bool heard) {
+void attempt(scene& s, const job& what, conditions under, bool heard) {
     for (const std::string& name : what.brings)
         s.bring(name);
     under.input = what.input;
     const ending end = s.run(what.command, under);
-    if (!end.orderly())
-        return s.aborted(end);
-    if (end.status != 0 && heard && end.error.empty())
-        return s.silent(what.name + ": exit status " + std::to_string(end.status) + " without a word");
-    const bool lost = under.out != stream::usual && under.out != stream::null;
-    if (end.status == 0 && what.prints && lost)
-        return s.silent(what.name + ": its results were lost, exit status 0");
+    if (heard)
+        s.expect_message(end, what.name);
+    const bool done = end.status == 0, lost = under.out != stream::usual && under.out != stream::null;
+    s.expect(!(done && what.prints && lost), what.name + ": its results were lost, exit status 0");
     const bool input_lost = under.in != stream::usual && !what.input.empty();
-    if (end.status == 0 && what.prints && under.out == stream::usual && end.out.empty())
-        return s.silent(what.name + ": printed nothing" + (input_lost ? " of no input" : ""));
-    if (const std::string problem = what.wrong(s.made, s.folder, end.status == 0); !problem.empty())
-        return s.silent(what.name + ": " + problem + ", " + end.text());
-    if (const std::string problem = wrong_among_reports(s.folder); !problem.empty())
-        return s.silent(what.name + ": " + problem + ", " + end.text());
-    if (end.status == 0 && what.draws && under.pictures && heard) {
+    s.expect(!(done && what.prints && under.out == stream::usual && end.out.empty()),
+             what.name + ": printed nothing" + (input_lost ? " of no input" : ""));
+    expect_right(s, what, done, " (" + end.text() + ")");
+    if (done && what.draws && under.pictures && heard) {
         const auto left = files_in(s.folder);
         const bool drawn = std::any_of(left.begin(), left.end(), [](const auto& file) {
             return file.first.ends_with("confusion.png") ||
                    (file.first.find("confusion_") != std::string::npos && file.first.ends_with(".png"));
         });
         static const bool there_is_gnuplot = fs::exists(s.made / "net.confusion.png");
-        if (there_is_gnuplot && !drawn && end.error.find("gnuplot") == std::string::npos &&
-            end.error.find("warning") == std::string::npos && end.error.find("icture") == std::string::npos)
-            return s.silent(what.name + ": no picture, and no word about it");
+        const bool told = std::ranges::any_of(std::array{"gnuplot", "warning", "icture"}, [&](auto* word) {
+            return end.error.find(word) != std::string::npos;
+        });
+        s.expect(drawn || told || !there_is_gnuplot, what.name + ": no picture, and no word about it");
     }
-    return s.handled();
 }
 
 } // namespace faults

@@ -4,17 +4,17 @@
 
 #include "groups.hpp"
 
+#include <CLI/CLI.hpp>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <exception>
 #include <optional>
 #include <random>
-#include <stdexcept>
 #include <sys/stat.h>
 
 using namespace faults;
@@ -54,51 +54,37 @@ struct arguments {
     std::optional<std::size_t> number{};
 };
 
-constexpr const char* usage =
-    "usage: tactnet_attack [--short | --cases N] [--seed N] [--only GROUP [--case N]]\n"
-    "                      [--tactnet FILE] [--decode FILE] [--stream FILE]\n\n"
-    "Tries N faults (5000; --short: 400) on the programs, and tells which were silent or ended in disorder.\n"
-    "Without --seed, it is another one each run, but for --short. A case depends on the seed, its group\n"
-    "and its number alone: --only and --case repeat it.\n";
-
-std::uint64_t number_in(const std::string& text) {
-    if (text.empty() || text.size() > 18 || text.find_first_not_of("0123456789") != std::string::npos)
-        throw std::invalid_argument("expected a number, found '" + text + "'");
-    return std::stoull(text);
-}
-
+/// Ends the program for bad arguments, and for --help.
 arguments read(int count, char** given) {
     arguments asked;
     asked.which = {TACTNET_PROGRAM, TACTNET_DECODE_PROGRAM, TACTNET_STREAM_PROGRAM};
-    for (int i = 1; i < count; ++i) {
-        const std::string option = given[i];
-        if (option == "--short") {
-            asked.cases = 400, asked.seed = 14; // a test is the same each run
-            continue;
-        }
-        if (i + 1 == count)
-            throw std::invalid_argument("expected an option and its value, found '" + option + "'");
-        const std::string value = given[++i];
-        if (option == "--cases")
-            asked.cases = number_in(value);
-        else if (option == "--seed")
-            asked.seed = number_in(value);
-        else if (option == "--only")
-            asked.only = value;
-        else if (option == "--case")
-            asked.number = number_in(value);
-        else if (option == "--tactnet")
-            asked.which.tactnet = fs::absolute(value);
-        else if (option == "--decode")
-            asked.which.decode = fs::absolute(value);
-        else if (option == "--stream")
-            asked.which.stream = fs::absolute(value);
-        else
-            throw std::invalid_argument("there is no option '" + option + "'");
+    CLI::App app(
+        "Tries faults on the programs, and tells which were silent or ended in disorder. A case depends on "
+        "the seed, its group and its number alone: --only and --case repeat it.");
+    std::vector<std::string> names;
+    for (const group& g : groups)
+        names.push_back(g.name);
+    bool is_short = false;
+    app.add_flag("--short", is_short, "400 cases of a seed that is the same each run, for a test");
+    auto* const cases = app.add_option("--cases", asked.cases, "Number of cases (default: 5000)");
+    auto* const seed = app.add_option("--seed", asked.seed, "Seed (default: another one each run)");
+    auto* const only = app.add_option("--only", asked.only, "One group alone")->check(CLI::IsMember(names));
+    app.add_option("--case", asked.number, "One case of that group alone")->needs(only);
+    app.add_option("--tactnet", asked.which.tactnet, "The program");
+    app.add_option("--decode", asked.which.decode, "The example that reads recordings");
+    app.add_option("--stream", asked.which.stream, "The example that reads a stream");
+    try {
+        app.parse(count, given);
+    } catch (const CLI::ParseError& error) {
+        std::exit(app.exit(error) == 0 ? 0 : 2);
     }
-    if (!asked.only.empty() &&
-        std::none_of(groups.begin(), groups.end(), [&](const group& g) { return g.name == asked.only; }))
-        throw std::invalid_argument("there is no group '" + asked.only + "'");
+    if (is_short && cases->count() == 0)
+        asked.cases = 400;
+    if (is_short && seed->count() == 0)
+        asked.seed = 14;
+    for (fs::path* file : {&asked.which.tactnet, &asked.which.decode, &asked.which.stream})
+        if (!file->empty())
+            *file = fs::absolute(*file);
     return asked;
 }
 
@@ -135,9 +121,11 @@ private:
         scene s(made_, asked_.seed, of.name, number);
         finding found;
         try {
-            found = of.attempt(s, number);
+            of.attempt(s, number);
+        } catch (const finding& thrown) {
+            found = thrown;
         } catch (const std::exception& error) { // what is left can break the attack itself
-            found = s.silent(std::string("the attack itself: ") + error.what());
+            found = {verdict::silent, std::string("the attack itself: ") + error.what()};
         }
         ++count.tried, ++done_;
         ++(found.is == verdict::handled  ? count.handled
@@ -147,9 +135,9 @@ private:
             std::printf("%s: %s\n  --seed %llu --only '%s' --case %zu\n      %s\n",
                         found.is == verdict::silent ? "silent" : "aborted", found.why.c_str(),
                         static_cast<unsigned long long>(asked_.seed), of.name.c_str(), number,
-                        found.command.c_str());
+                        s.command().c_str());
         else if (asked_.number)
-            std::printf("handled: %s\n", found.command.c_str());
+            std::printf("handled: %s\n", s.command().c_str());
         const std::chrono::duration<double> took = clock::now() - start_;
         if (done_ == all_ || took - shown_ > std::chrono::seconds(5)) {
             shown_ = took;
@@ -196,10 +184,8 @@ int main(int count, char** given) {
     try {
         const arguments asked = read(count, given);
         return attack(asked).all_well() ? 0 : 1;
-    } catch (const std::invalid_argument& error) {
-        std::fprintf(stderr, "tactnet_attack: %s\n%s", error.what(), usage);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "tactnet_attack: %s\n", error.what());
+        return 2;
     }
-    return 2;
 }

@@ -21,12 +21,11 @@ constexpr std::size_t page = 4096;
 
 /// The least that lets the program start, so that what is refused is refused to it and not to the system. 0
 /// if that is more than any program should need, as with an address sanitizer.
-template <class Limits>
-unsigned long least(const scene& s, unsigned long from, unsigned long step, const Limits& limits) {
+unsigned long least(const scene& s, unsigned long from, unsigned long step, int resource) {
     for (unsigned long most = from; most < from + 1000 * step; most += step) {
         conditions under;
         under.limited_user = true;
-        under.limits = limits(most);
+        under.limits = {{resource, most}};
         if (run(s.made.tactnet({"list"}), s.folder, under).done())
             return most;
     }
@@ -43,7 +42,7 @@ words again(const scene& s, const job& what) {
 
 } // namespace
 
-finding kill_and_resume(scene& s, std::size_t number) {
+void kill_and_resume(scene& s, std::size_t number) {
     const std::vector<job> writers = jobs(s.made, true);
     const job& what = writers[number % writers.size()];
     for (const std::string& name : what.brings)
@@ -56,7 +55,7 @@ finding kill_and_resume(scene& s, std::size_t number) {
     if (length.count() == 0) {
         const ending whole = run(what.command, s.folder, quick);
         if (!whole.done())
-            return s.aborted(whole);
+            throw finding{verdict::aborted, whole.text()};
         length = whole.took;
         s.made.new_folder();
         for (const std::string& name : what.brings)
@@ -67,30 +66,21 @@ finding kill_and_resume(scene& s, std::size_t number) {
         conditions killed = quick;
         killed.signal = signals[s.below(signals.size())];
         killed.after = length * static_cast<int>(s.below(1000)) / 1000;
-        const ending end = s.run(again(s, what), killed);
-        const bool by_that = !end.hung && (end.signal == killed.signal || end.status == 130);
+        const ending end = s.run_anyhow(again(s, what), killed);
         if (end.done())
             break;
-        if (!by_that && !end.orderly())
-            return s.aborted(end);
-        // Only a signal ends it: what there is can always be resumed.
-        if (!by_that)
-            return s.silent(what.name + ": what a killed one left is not readable: " + end.text());
-        if (const std::string problem = what.wrong(s.made, s.folder, false); !problem.empty())
-            return s.silent(what.name + ", killed: " + problem);
-        if (const std::string problem = wrong_among_reports(s.folder); !problem.empty())
-            return s.silent(what.name + ", killed: " + problem);
+        if (end.hung || (end.signal != killed.signal && end.status != 130)) {
+            s.require_order(end);
+            // Only a signal ends it: what there is can always be resumed.
+            s.expect(false, what.name + ": what a killed one left is not readable: " + end.text());
+        }
+        expect_right(s, what, false, ", killed");
     }
     const ending end = s.run(again(s, what), quick);
-    if (!end.orderly())
-        return s.aborted(end);
-    if (end.status != 0)
-        return s.silent(what.name + ": cannot go on: " + end.text());
-    if (const std::string problem = what.wrong(s.made, s.folder, true); !problem.empty())
-        return s.silent(what.name + ", after going on: " + problem);
-    if (const std::string left = litter_in(s.folder); !left.empty())
-        return s.silent(what.name + " leaves " + left);
-    return s.handled();
+    s.expect(end.done(), what.name + ": cannot go on: " + end.text());
+    expect_right(s, what, true, ", after going on");
+    const std::string left = litter_in(s.folder);
+    s.expect(left.empty(), what.name + " leaves " + left);
 }
 
 std::string small_disk([[maybe_unused]] const programs& which) {
@@ -113,38 +103,37 @@ std::string small_disk([[maybe_unused]] const programs& which) {
 #endif
 }
 
-finding fill_the_disk([[maybe_unused]] scene& s, [[maybe_unused]] std::size_t number) {
+void fill_the_disk([[maybe_unused]] scene& s, [[maybe_unused]] std::size_t number) {
 #if defined(__linux__)
     const std::vector<job> writers = jobs(s.made, true);
     const job& what = writers[number % writers.size()];
     const bool pictures = number / writers.size() % 2 == 0;
     const std::string size = "size=" + std::to_string((1 + s.below(pictures ? 60 : 30)) * page);
-    if (::mount("tmpfs", s.folder.c_str(), "tmpfs", 0, (size + ",mode=777").c_str()) != 0)
-        return s.silent(std::string("the attack itself: mount: ") + std::strerror(errno));
+    s.expect(::mount("tmpfs", s.folder.c_str(), "tmpfs", 0, (size + ",mode=777").c_str()) == 0,
+             std::string("the attack itself: mount: ") + std::strerror(errno));
+    struct mounted {
+        const fs::path& folder;
+        ~mounted() { ::umount2(folder.c_str(), MNT_DETACH); }
+    } const disk{s.folder};
+    s.note("on a tmpfs of " + size);
     conditions under;
     under.pictures = pictures;
-    finding found;
     try {
-        found = attempt(s, what, under);
+        attempt(s, what, under);
     } catch (const std::exception&) { // no room even for what it reads
     }
-    found.command += " (on a tmpfs of " + size + ")";
-    ::umount2(s.folder.c_str(), MNT_DETACH);
-    return found;
-#else
-    return {};
 #endif
 }
 
-finding limit_files(scene& s, std::size_t number) {
+void limit_files(scene& s, std::size_t number) {
     const std::vector<job> writers = jobs(s.made, true);
     conditions under;
     under.pictures = number / writers.size() % 4 == 0;
     under.limits = {{RLIMIT_FSIZE, s.below(s.below(2) == 0 ? 4000 : 100'000)}};
-    return attempt(s, writers[number % writers.size()], under);
+    attempt(s, writers[number % writers.size()], under);
 }
 
-finding break_streams(scene& s, std::size_t number) {
+void break_streams(scene& s, std::size_t number) {
     const std::vector<job> all = jobs(s.made);
     constexpr std::array kinds{stream::usual, stream::closed, stream::full, stream::broken, stream::null};
     conditions under;
@@ -156,10 +145,10 @@ finding break_streams(scene& s, std::size_t number) {
         under.in = s.one_of(
             std::array{stream::usual, stream::closed, stream::broken, stream::null}); // full: endless
     under.pictures = s.below(8) == 0;
-    return attempt(s, what, under, under.error == stream::usual);
+    attempt(s, what, under, under.error == stream::usual);
 }
 
-finding take_resources(scene& s, std::size_t number) {
+void take_resources(scene& s, std::size_t number) {
     const std::vector<job> all = jobs(s.made);
     conditions under;
     under.limited_user = true;
@@ -167,11 +156,9 @@ finding take_resources(scene& s, std::size_t number) {
     switch (number / all.size() % 4) {
     case 0: {
         constexpr unsigned long step = 1UL << 20U;
-        static const unsigned long start = least(s, step, step, [](unsigned long most) {
-            return std::vector<std::pair<int, unsigned long>>{{RLIMIT_AS, most}};
-        });
+        static const unsigned long start = least(s, step, step, RLIMIT_AS);
         if (start == 0)
-            return s.handled();
+            return;
         under.limits = {{RLIMIT_AS, start + s.below(s.below(2) == 0 ? 4 * step : 60 * step)}};
         break;
     }
@@ -182,13 +169,11 @@ finding take_resources(scene& s, std::size_t number) {
         under.limits = {{RLIMIT_NPROC, 1 + s.below(4)}};
         break;
     default: {
-        static const unsigned long start = least(s, 3, 1, [](unsigned long most) {
-            return std::vector<std::pair<int, unsigned long>>{{RLIMIT_NOFILE, most}};
-        });
+        static const unsigned long start = least(s, 3, 1, RLIMIT_NOFILE);
         under.limits = {{RLIMIT_NOFILE, start + s.below(8)}};
     }
     }
-    return attempt(s, all[number % all.size()], under);
+    attempt(s, all[number % all.size()], under);
 }
 
 std::string clock_library(const programs& which) {
@@ -200,7 +185,7 @@ std::string clock_library(const programs& which) {
     return end.done() ? "" : "the program does not start with another clock: " + end.text();
 }
 
-finding set_the_clock(scene& s, std::size_t number) {
+void set_the_clock(scene& s, std::size_t number) {
     constexpr std::array modes{"still", "backwards", "leaps", "early", "late", "refused"};
     std::vector<job> all = jobs(s.made);
     conditions under;
@@ -209,15 +194,9 @@ finding set_the_clock(scene& s, std::size_t number) {
     if (s.below(4) != 0)
         return attempt(s, s.one_of(all), under);
     // What was measured by a wrong clock must not be in the way of what comes later.
-    const ending wrong = s.run(s.made.study({"--results", "study"}), under);
-    if (!wrong.orderly())
-        return s.aborted(wrong);
-    if (wrong.status != 0 && wrong.error.empty())
-        return s.silent("study: no message");
+    s.expect_message(s.run(s.made.study({"--results", "study"}), under), "study");
     const ending later = s.run(s.made.study({"--results", "study"}));
-    if (!later.orderly())
-        return s.aborted(later);
-    return later.done() ? s.handled() : s.silent("study, with the right clock again: " + later.text());
+    s.expect(later.done(), "study, with the right clock again: " + later.text());
 }
 
 } // namespace faults

@@ -22,15 +22,11 @@ void make_images(const fs::path& folder) {
         }
 }
 
-void open_for_all(const fs::path& folder) {
-    fs::permissions(folder, fs::perms::all);
-}
-
 } // namespace
 
 materials::materials(programs which) : programs_(std::move(which)) {
     fs::create_directories(folder());
-    open_for_all(folder_.path());
+    fs::permissions(folder_.path(), fs::perms::all);
     make_images(folder() / "data");
     const auto make = [&](const words& command, const conditions& under = {}) {
         const ending end = run(command, folder(), under);
@@ -38,8 +34,8 @@ materials::materials(programs which) : programs_(std::move(which)) {
             throw std::runtime_error("undisturbed: " + shell_line(command, folder()) + ": " + end.text());
         return end;
     };
-    make(train({"--epochs", std::to_string(epochs), "--output", "net"}));
-    make(train({"--epochs", std::to_string(epochs), "--output", "untested", "--self-test", "0"}));
+    make(train({"--epochs", epochs, "--output", "net"}));
+    make(train({"--epochs", epochs, "--output", "untested", "--self-test", "0"}));
     for (const char* method : {"svm-rbf", "svm-linear"})
         make(tactnet({"train", "--data", "data", "--method", method, "--rows", "7", "--columns", "13",
                       "--seed", "5", "--output", method}));
@@ -55,7 +51,7 @@ materials::materials(programs which) : programs_(std::move(which)) {
         if (stops.after > std::chrono::seconds(1))
             throw std::runtime_error("a stopped training leaves no checkpoint");
         fs::remove(folder() / "stopped");
-        make(train({"--epochs", std::to_string(epochs), "--output", "stopped"}), stops);
+        make(train({"--epochs", epochs, "--output", "stopped"}), stops);
     }
     for (const auto& [name, bytes] : recordings())
         write_bytes(folder() / name, bytes);
@@ -66,34 +62,32 @@ fs::path materials::new_folder() const {
     // Permissions that a case took away must not keep its folder.
     fs::remove_all(work);
     fs::create_directory(work);
-    open_for_all(work);
+    fs::permissions(work, fs::perms::all);
     return work;
 }
 
-words materials::tactnet(words arguments) const {
+words materials::tactnet(words arguments, const words& more) const {
     arguments.insert(arguments.begin(), programs_.tactnet.string());
+    arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
 }
 
-words materials::train(words more, const std::string& data) const {
-    words all = tactnet({"train", "--data", data.empty() ? (folder() / "data").string() : data, "--method",
-                         "tactnet4", "--rows", "7", "--columns", "13", "--seed", "5"});
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
+words materials::train(const words& more, const std::string& data) const {
+    return tactnet({"train", "--data", data.empty() ? (folder() / "data").string() : data, "--method",
+                    "tactnet4", "--rows", "7", "--columns", "13", "--seed", "5"},
+                   more);
 }
 
-words materials::evaluate(words more) const {
-    words all = tactnet({"evaluate", "--data", (folder() / "data").string(), "--method", "tactnet4", "--rows",
-                         "7", "--columns", "13", "--epochs", "4", "--splits", "2", "--jobs", "2"});
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
+words materials::evaluate(const words& more) const {
+    return tactnet({"evaluate", "--data", (folder() / "data").string(), "--method", "tactnet4", "--rows", "7",
+                    "--columns", "13", "--epochs", "4", "--splits", "2", "--jobs", "2"},
+                   more);
 }
 
-words materials::study(words more) const {
-    words all = tactnet({"study", "--data", (folder() / "data").string(), "--methods", "tactnet4", "--sizes",
-                         "7x13", "--split", "random", "--splits", "1", "--jobs", "2"});
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
+words materials::study(const words& more) const {
+    return tactnet({"study", "--data", (folder() / "data").string(), "--methods", "tactnet4", "--sizes",
+                    "7x13", "--split", "random", "--splits", "1", "--jobs", "2"},
+                   more);
 }
 
 words materials::simulate(const std::string& out) const {
@@ -126,6 +120,12 @@ void scene::bring(const std::string& name) const {
 }
 
 ending scene::run(const words& command, const conditions& under) {
+    ending end = run_anyhow(command, under);
+    require_order(end);
+    return end;
+}
+
+ending scene::run_anyhow(const words& command, const conditions& under) {
     command_ += (command_.empty() ? "" : "\n      then ") + shell_line(command, folder, under);
     return faults::run(command, folder, under);
 }
@@ -137,6 +137,13 @@ std::vector<std::string> lines_of(const std::string& text) {
         lines.push_back(text.substr(at, end - at));
     }
     return lines;
+}
+
+std::string text_of(const std::vector<std::string>& lines) {
+    std::string text;
+    for (const std::string& line : lines)
+        text += line + '\n';
+    return text;
 }
 
 std::vector<std::string> results_in(const fs::path& list) {

@@ -36,12 +36,12 @@ public:
     /// A new empty folder in the place of the last one, writable for everyone.
     fs::path new_folder() const;
 
-    words tactnet(words arguments) const;
+    words tactnet(words arguments, const words& more = {}) const;
     /// `train` of seconds or less, of a network.
-    words train(words more, const std::string& data = "") const;
-    words evaluate(words more) const;
+    words train(const words& more, const std::string& data = "") const;
+    words evaluate(const words& more) const;
     /// `study` of one network by two recipes.
-    words study(words more) const;
+    words study(const words& more) const;
     words simulate(const std::string& out) const;
     /// `classify` of some of the images.
     words classify(const std::string& weights) const;
@@ -53,13 +53,14 @@ private:
     support::temporary_folder folder_;
 };
 
-inline constexpr int epochs = 60;
+inline constexpr const char* epochs = "60";
 
 enum class verdict { handled, silent, aborted };
 
+/// Thrown for a case that the programs did not handle. `why` is for people.
 struct finding {
     verdict is = verdict::handled;
-    std::string why{}, command{};
+    std::string why{};
 };
 
 /// One case. What it draws depends on the seed, the group's name and the case's number alone.
@@ -78,21 +79,36 @@ public:
 
     /// Copies one of the files or folders that were made into this case's folder.
     void bring(const std::string& name) const;
-    /// Runs, and remembers the command for the report.
+    /// Runs, and notes the command. Throws a finding unless the program ends in good order.
     ending run(const words& command, const conditions& under = {});
+    /// The same, however it ends.
+    ending run_anyhow(const words& command, const conditions& under);
+    void require_order(const ending& end) const {
+        if (!end.orderly())
+            throw finding{verdict::aborted, end.text()};
+    }
+    /// Throws a finding for a program that has failed without a message.
+    void expect_message(const ending& end, const std::string& what) const {
+        expect(end.status == 0 || !end.error.empty(), what + ": no message, " + end.text());
+    }
+    /// Throws a finding unless it is `right`.
+    void expect(bool right, const std::string& otherwise) const {
+        if (!right)
+            throw finding{verdict::silent, otherwise};
+    }
 
-    // What a case comes to. `why` is for people.
-    finding handled() const { return {}; }
-    finding silent(const std::string& why) const { return {verdict::silent, why, command_}; }
-    finding aborted(const ending& end) const { return {verdict::aborted, end.text(), command_}; }
+    /// For the report: what was run, and under which conditions.
+    const std::string& command() const { return command_; }
+    void note(const std::string& text) { command_ += text; }
 
 private:
     std::mt19937_64 engine_;
     std::string command_;
 };
 
-/// The lines of a text, without their ends.
+/// The lines of a text, without their ends; and such lines as a text.
 std::vector<std::string> lines_of(const std::string& text);
+std::string text_of(const std::vector<std::string>& lines);
 /// The accuracies and confusions in a list of results, without times; sorted.
 std::vector<std::string> results_in(const fs::path& list);
 /// Names and contents of the files in a folder and its subfolders that `takes(name)`.

@@ -21,7 +21,7 @@ bool has_control_characters(const ending& end) {
 }
 
 /// A measure of a recording that is no number of its kind: exit status 1 with a message, or a warning.
-finding replace_measure(scene& s) {
+void replace_measure(scene& s) {
     struct measure {
         const char *file, *key, *end; ///< the value stands between the two
     };
@@ -52,17 +52,13 @@ finding replace_measure(scene& s) {
     bytes.replace(at, bytes.find(of.end, at) - at, value);
     write_bytes(s.folder / of.file, bytes);
     const ending end = s.run({s.made.where().decode.string(), "--csv", of.file});
-    if (!end.orderly())
-        return s.aborted(end);
     const std::string what = of.key + ("'" + value + "'") + " in " + of.file;
-    if (end.error.empty())
-        return s.silent(what + ": no message");
-    return has_control_characters(end) ? s.silent(what + ": a terminal gets control characters")
-                                       : s.handled();
+    s.expect(!end.error.empty(), what + ": no message");
+    s.expect(!has_control_characters(end), what + ": a terminal gets control characters");
 }
 
 /// A line of results with another checksum than its own, or none.
-finding replace_checksum(scene& s) {
+void replace_checksum(scene& s) {
     struct reading {
         const char *folder, *file;
         words command;
@@ -78,8 +74,7 @@ finding replace_checksum(scene& s) {
     std::vector<std::string> lines = lines_of(bytes_of(s.folder / of.file));
     std::string& line = lines[s.below(lines.size())];
     const std::size_t at = line.rfind(",\"checksum\":");
-    if (at == std::string::npos)
-        return s.silent(std::string(of.file) + ": a line without a checksum");
+    s.expect(at != std::string::npos, std::string(of.file) + ": a line without a checksum");
     const std::array endings{"}"s,
                              ",\"checksum\":null}"s,
                              ",\"checksum\":\"\"}"s,
@@ -90,20 +85,14 @@ finding replace_checksum(scene& s) {
                              ",\"Checksum\":\"tactnet-xxh64:0000000000000000\"}"s};
     const std::string ending_of_line = s.one_of(endings);
     line.replace(at, std::string::npos, ending_of_line);
-    std::string all;
-    for (const std::string& one : lines)
-        all += one + '\n';
-    write_bytes(s.folder / of.file, all);
+    write_bytes(s.folder / of.file, text_of(lines));
     const ending end = s.run(of.command, without_pictures);
-    if (!end.orderly())
-        return s.aborted(end);
-    return end.error.find(fs::path(of.file).filename().string()) == std::string::npos
-               ? s.silent(std::string(of.file) + " with " + ending_of_line + ": no message that names it")
-               : s.handled();
+    s.expect(end.error.find(fs::path(of.file).filename().string()) != std::string::npos,
+             std::string(of.file) + " with " + ending_of_line + ": no message that names it");
 }
 
 /// Classes and images whose names would be commands to a terminal, or more lines than one.
-finding name_with_controls(scene& s) {
+void name_with_controls(scene& s) {
     const std::array controls{"\x1b[2J"s, "\n"s,       "\t"s,     "\r"s,    "\x7f"s,
                               "\x01"s,    "\xc2\x9b"s, "\u202e"s, "\u2066"s};
     const std::string name = "a" + s.one_of(controls) + "b";
@@ -116,24 +105,20 @@ finding name_with_controls(scene& s) {
         fs::copy_file(s.made.image(), s.folder / (name + ".png"));
         const ending end =
             s.run(s.made.tactnet({"classify", "--weights", "net", name + ".png"}), without_pictures);
-        if (!end.orderly())
-            return s.aborted(end);
-        if (!end.done() || lines_of(end.out).size() != 1)
-            return s.silent("an image was not classified in one line: " + end.text());
-        return raw(end) ? s.silent("the name of an image reaches the terminal as it is") : s.handled();
+        s.expect(end.done() && lines_of(end.out).size() == 1,
+                 "an image was not classified in one line: " + end.text());
+        return s.expect(!raw(end), "the name of an image reaches the terminal as it is");
     }
     s.bring("data");
     fs::rename(s.folder / "data" / "left", s.folder / "data" / name);
     const ending end = s.run(s.made.train({"--epochs", "2", "--output", "out"}, "data"), without_pictures);
-    if (!end.orderly())
-        return s.aborted(end);
-    if (end.done() || end.error.empty() || fs::exists(s.folder / "out"))
-        return s.silent("a class with a control character in its name was taken");
-    return raw(end) ? s.silent("the name of a class reaches the terminal as it is") : s.handled();
+    s.expect(!end.done() && !end.error.empty() && !fs::exists(s.folder / "out"),
+             "a class with a control character in its name was taken");
+    s.expect(!raw(end), "the name of a class reaches the terminal as it is");
 }
 
 /// Classes in a weight file, as they stand in JSON: the program writes the name of what it recognises.
-finding name_classes_with_controls(scene& s) {
+void name_classes_with_controls(scene& s) {
     const std::array refused{"a\\u001bb"s, "a\\nb"s,     "a\\tb"s,    "a\\u0000b"s,
                              "a\\u007fb"s, "a\\u009bb"s, "a\\u202eb"s};
     const std::array taken{"a b"s, "ä"s, "a\\\"b"s, "%s%n"s, "\\u65e5"s};
@@ -143,21 +128,19 @@ finding name_classes_with_controls(scene& s) {
     conditions under;
     under.input = bytes_of(s.made / "plain.stream");
     const ending end = s.run({s.made.where().stream.string(), "named.net"}, under);
-    if (!end.orderly())
-        return s.aborted(end);
     if (good)
-        return end.done() ? s.handled() : s.silent("a class '" + name + "' was refused: " + end.text());
-    if (end.done() || end.error.find("named.net") == std::string::npos)
-        return s.silent("a class '" + name + "' was taken: " + end.text());
-    return has_control_characters(end) ? s.silent("a class reaches the terminal as it is") : s.handled();
+        return s.expect(end.done(), "a class '" + name + "' was refused: " + end.text());
+    s.expect(!end.done() && end.error.find("named.net") != std::string::npos,
+             "a class '" + name + "' was taken: " + end.text());
+    s.expect(!has_control_characters(end), "a class reaches the terminal as it is");
 }
 
 } // namespace
 
-finding replace_values(scene& s, std::size_t number) {
+void replace_values(scene& s, std::size_t number) {
     constexpr std::array kinds{replace_measure, replace_checksum, name_with_controls,
                                name_classes_with_controls};
-    return kinds[number % kinds.size()](s);
+    kinds[number % kinds.size()](s);
 }
 
 } // namespace faults
