@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <fcntl.h>
 #include <interrupt.hpp>
@@ -18,10 +17,7 @@ void prepare_standard_streams() noexcept {
     while (file >= 0 && file <= STDERR_FILENO);
     if (file >= 0)
         ::close(file);
-    struct sigaction ignore {};
-    ignore.sa_handler = SIG_IGN;
-    sigaction(SIGPIPE, &ignore, nullptr);
-    sigaction(SIGXFSZ, &ignore, nullptr);
+    ignore_output_signals();
 }
 
 void show(std::string_view text) noexcept {

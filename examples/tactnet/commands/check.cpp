@@ -8,7 +8,6 @@
 #include <tactnet/io/images/set.hpp>
 
 #include <decode_image.hpp>
-#include <map>
 #include <set>
 
 namespace {

@@ -1,7 +1,6 @@
 // tactnet classify: images in, a line each out.
 
 #include "commands/commands.hpp"
-#include "data/image_data.hpp"
 #include "methods/weights.hpp"
 
 namespace {

@@ -1,9 +1,6 @@
 // tactnet evaluate: methods trained and tested on many splits, and what each costs. Or a weight file.
 
 #include "commands/commands.hpp"
-#include "evaluation/trainings.hpp"
-#include "files/output_files.hpp"
-#include "methods/description.hpp"
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
 #include "reports/pictures.hpp"
@@ -12,21 +9,16 @@
 #include <tactnet/svm/feature_rows.hpp>
 
 #include <cmath>
-#include <limits>
-#include <set>
-#include <thread>
 
 namespace {
 
-struct evaluate_options {
+struct evaluate_options : evaluation_options {
     training_settings training;
     weight_options weights;
-    std::string data, results = "results", split = "both", images = "test";
+    std::string images = "test";
     std::vector<std::string> methods, sizes;
-    std::size_t splits = 10;
     std::uint64_t first_seed = 0;
     bool afresh = false; ///< forget earlier results
-    std::size_t jobs = std::max(1U, std::thread::hardware_concurrency());
 };
 
 /// "confusion_tactnet6_28x50" in the folder of results.
@@ -46,6 +38,7 @@ candidate_list candidates_of(const evaluate_options& o) {
         for (const std::string& name : o.methods) {
             candidate& c = chosen.emplace_back(candidate{&find_method(name, size), o.training});
             c.training.rows = c.what->rows, c.training.columns = c.what->columns;
+            c.training.unknown = o.unknown;
         }
     // A setting for some of the methods is no mistake of the others.
     const bool pretrained = std::ranges::any_of(
@@ -193,6 +186,8 @@ void take_weight_options(const CLI::App& app, evaluate_options& o) {
         refuse("--bits: expected a training, found --weights, whose file says itself of how many bits its "
                "weights are");
     o.weights.resize = o.training.resize;
+    if (!o.sizes.empty())
+        refuse("--sizes: expected a training, found --weights, whose file says itself of what size it is");
     if (o.methods.size() > 1)
         refuse("--method: expected one method for one weight file, found {}", o.methods.size());
     if (!o.methods.empty())
@@ -209,7 +204,7 @@ command add_evaluate(CLI::App& program) {
     auto* app =
         program.add_subcommand("evaluate", "Train and test methods on many splits, or test a weight file");
     auto o = std::make_shared<evaluate_options>();
-    add_data_option(*app, o->data);
+    add_evaluation_options(*app, *o);
     app->add_option(
            "--method", o->methods,
            fmt::format("Methods, separated by commas: {} (default: {})", method_names(), default_method()))
@@ -223,10 +218,7 @@ command add_evaluate(CLI::App& program) {
     add_bits_option(*app, o->training.bits,
                     "8: each training also as a network in 8 bits, with the ranges of maps from its training "
                     "images");
-    add_split_options(*app, o->split, o->splits, o->jobs, o->training.unknown);
     add_option(*app, "--seed", o->first_seed, whole_number(0), "Seed of the first split; the others follow");
-    app->add_option("--results", o->results,
-                    "Folder for results; trainings that are finished there are not repeated");
     app->add_flag("--afresh", o->afresh,
                   "Discard the finished trainings in that folder, for example after a change of the library");
     add_weight_options(*app, o->weights, false);

@@ -1,7 +1,6 @@
 // tactnet export: a weight file becomes a C++ header, or with --bits 8 one in 8 bits or another weight file.
 
 #include "commands/commands.hpp"
-#include "data/image_data.hpp"
 #include "files/output_files.hpp"
 #include "methods/weights.hpp"
 

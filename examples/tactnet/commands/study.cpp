@@ -1,30 +1,20 @@
 // tactnet study: the paper's experiments again, and what they cost in time, on one page.
 
 #include "commands/commands.hpp"
-#include "evaluation/trainings.hpp"
 #include "files/claims.hpp"
-#include "files/output_files.hpp"
 #include "methods/registry.hpp"
-#include "methods/training_settings.hpp"
 #include "reports/pictures.hpp"
 #include "study/page.hpp"
 
 #include <tactnet/io/write_file.hpp>
 
 #include <interrupt.hpp>
-#include <map>
-#include <set>
-#include <thread>
 
 namespace {
 
-struct study_options {
-    std::string data, results = "study";
+struct study_options : evaluation_options {
     std::vector<std::string> methods, sizes, recipes{"default", "published"}, pretrained;
-    std::string split = "both";
-    std::size_t splits = 20, jobs = std::max(1U, std::thread::hardware_concurrency());
-    std::size_t bits = 8;    ///< 8: networks in 8 bits too, where they have such a form
-    std::size_t unknown = 0; ///< see training_settings
+    std::size_t bits = 8; ///< 8: networks in 8 bits too, where they have such a form
     bool report_only = false, only_trained = false;
 };
 
@@ -148,16 +138,16 @@ bool time_all(const candidate_list& candidates, timing_list& timings, const std:
     std::erase_if(missing,
                   [&](const timed_form& form) { return timings.find(*form.first, form.second) != nullptr; });
     progress line;
-    for (std::size_t i = 0; i < missing.size(); ++i) {
+    std::size_t done = 0;
+    for (const auto& [what, bits] : missing) {
         if (interrupted())
             return false;
-        const auto& [form, bits] = missing[i];
-        const method& what = *form;
-        const frame_latency found = measure_latency(what.make_work(bits), what.frames_together());
-        timings.add(what, bits, found);
-        line.show(fmt::format("{} of {} methods timed: {} {}{}, {:.1f} µs", i + 1, missing.size(), what.name,
-                              what.size(), bits == 8 ? " in 8 bits" : "", found.median),
-                  i + 1 == missing.size());
+        const frame_latency found = measure_latency(what->make_work(bits), what->frames_together());
+        timings.add(*what, bits, found);
+        ++done;
+        line.show(fmt::format("{} of {} methods timed: {} {}{}, {:.1f} µs", done, missing.size(), what->name,
+                              what->size(), bits == 8 ? " in 8 bits" : "", found.median),
+                  done == missing.size());
     }
     return true;
 }
@@ -234,10 +224,9 @@ command add_study(CLI::App& program) {
     auto* app = program.add_subcommand(
         "study", "Train and time all methods at all sizes, and compare them with the paper on one page");
     auto o = std::make_shared<study_options>();
-    add_data_option(*app, o->data);
-    app->add_option(
-        "--results", o->results,
-        "Folder for results, which several programs can share; finished trainings are not repeated");
+    o->results = "study";
+    o->splits = 20;
+    add_evaluation_options(*app, *o);
     std::set<std::string> names, sizes;
     for (const auto& m : all_methods()) {
         names.insert(m->name);
@@ -251,7 +240,6 @@ command add_study(CLI::App& program) {
         ->check(CLI::IsMember(sizes));
     add_list("--recipes", o->recipes, "Some of 'default', 'thorough' and 'published'")
         ->check(CLI::IsMember(recipe_names));
-    add_split_options(*app, o->split, o->splits, o->jobs, o->unknown);
     add_list("--pretrained", o->pretrained,
              "ImageNet-pretrained networks, such as squeezenet=FILE, for the methods that need one");
     add_bits_option(

@@ -1,9 +1,7 @@
 // tactnet train: one method on one split of a folder of images.
 
 #include "commands/commands.hpp"
-#include "data/image_data.hpp"
 #include "data/input_file.hpp"
-#include "evaluation/results.hpp"
 #include "files/claims.hpp"
 #include "files/output_files.hpp"
 #include "methods/description.hpp"

@@ -7,13 +7,9 @@
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/text/quoting.hpp>
 
-#include <fmt/format.h>
-
 #include <decode_image.hpp>
 #include <sstream>
-#include <string_view>
 #include <system_error>
-#include <utility>
 
 namespace {
 

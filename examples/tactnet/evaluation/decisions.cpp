@@ -5,7 +5,6 @@
 #include <tactnet/decision/unknown_score.hpp>
 #include <tactnet/runtime/random.hpp>
 
-#include <algorithm>
 #include <cmath>
 
 namespace {

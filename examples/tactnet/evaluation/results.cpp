@@ -2,7 +2,6 @@
 
 #include <tactnet/decision/fitting.hpp>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <cmath>

@@ -3,16 +3,13 @@
 // Finished trainings of an evaluation, in a file of JSON lines that grows by one as each is done. What is in
 // there need not be done again.
 
-#include "data/image_data.hpp"
 #include "evaluation/decisions.hpp"
 #include "files/line_file.hpp"
-#include "methods/method.hpp"
 
 #include <tactnet/decision/reliability_diagram.hpp>
 #include <tactnet/training/metrics.hpp>
 
 #include <limits>
-#include <map>
 
 /// A temperature fitted to results on images that were not trained on. Nothing without such images, and for
 /// methods without probabilities.

@@ -9,14 +9,6 @@
 #include "methods/weights.hpp"
 #include "number_options.hpp"
 
-#include <tactnet/io/file_error.hpp>
-#include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/training/loop.hpp>
-
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <exception>
@@ -24,8 +16,6 @@
 #include <list>
 #include <mutex>
 #include <set>
-#include <stopwatch.hpp>
-#include <thread>
 
 namespace {
 
@@ -231,14 +221,17 @@ bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& resu
 
 } // namespace
 
-void add_split_options(CLI::App& app, std::string& split, std::size_t& splits, std::size_t& jobs,
-                       std::size_t& unknown) {
-    add_option(app, "--split", split, CLI::IsMember({"both", "random", "blocked"}),
+void add_evaluation_options(CLI::App& app, evaluation_options& o) {
+    add_data_option(app, o.data);
+    app.add_option(
+        "--results", o.results,
+        "Folder for results, which several programs can share; finished trainings are not repeated");
+    add_option(app, "--split", o.split, CLI::IsMember({"both", "random", "blocked"}),
                "'random', 'blocked' (neighbours in the order of recording stay together) or 'both'");
-    add_option(app, "--splits", splits, whole_number(1, 10'000), "Splits of each kind");
-    add_option(app, "--jobs,--threads", jobs, whole_number(1, 1024),
+    add_option(app, "--splits", o.splits, whole_number(1, 10'000), "Splits of each kind");
+    add_option(app, "--jobs,--threads", o.jobs, whole_number(1, 1024),
                "Trainings at the same time; the results do not depend on it (default: one per core)");
-    add_option(app, "--unknown", unknown, whole_number(0, 10'000),
+    add_option(app, "--unknown", o.unknown, whole_number(0, 10'000),
                "Train each network once more per split without this number of classes, and measure how "
                "well it recognises their images as unknown (0: do not)");
 }

@@ -2,10 +2,11 @@
 
 // What an evaluation or a study compares, methods with their images, and its trainings, many at once.
 
-#include "data/image_data.hpp"
 #include "evaluation/results.hpp"
-#include "methods/method.hpp"
 #include "methods/training_settings.hpp"
+
+#include <algorithm>
+#include <thread>
 
 /// A method with the images of its size.
 struct candidate {
@@ -35,9 +36,14 @@ struct split_plan {
     std::size_t splits = 10; ///< by each rule; their seeds follow the first
 };
 
-/// --split, --splits, --jobs and --unknown.
-void add_split_options(CLI::App& app, std::string& split, std::size_t& splits, std::size_t& jobs,
-                       std::size_t& unknown);
+/// What evaluations and studies have in common.
+struct evaluation_options {
+    std::string data, results = "results", split = "both";
+    std::size_t splits = 10, jobs = std::max(1U, std::thread::hardware_concurrency());
+    std::size_t unknown = 0; ///< see training_settings
+};
+/// --data, --results, --split, --splits, --jobs and --unknown.
+void add_evaluation_options(CLI::App& app, evaluation_options& options);
 
 /// The rules of "random", "blocked" or "both".
 std::vector<tactnet::split_rule> rules_of(const std::string& names);

@@ -13,7 +13,6 @@
 #include <exception>
 #include <fcntl.h>
 #include <stdexcept>
-#include <string_view>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>

@@ -6,10 +6,7 @@
 #include <tactnet/io/partial_file.hpp>
 #include <tactnet/text/quoting.hpp>
 
-#include <fmt/format.h>
-
 #include <cerrno>
-#include <cstddef>
 #include <iterator>
 #include <set>
 #include <sys/stat.h>

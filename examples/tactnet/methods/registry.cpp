@@ -2,7 +2,6 @@
 
 #include "console.hpp"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>

@@ -3,8 +3,6 @@
 #include "console.hpp"
 #include "number_options.hpp"
 
-#include <CLI/CLI.hpp>
-
 namespace {
 
 /// Throws usage_error when the settings name a file for a method that has no use for it, and when they name

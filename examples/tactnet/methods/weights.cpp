@@ -9,10 +9,6 @@
 
 #include <tactnet/text/quoting.hpp>
 
-#include <CLI/CLI.hpp>
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <system_error>
 
 void add_weight_options(CLI::App& command, weight_options& o, bool required) {
@@ -73,20 +69,6 @@ weight_file read_weight_file(const std::string& path) {
         rest.add(name, tensor.type, tensor.extents, bytes);
     }
     return {tactnet::safetensors::parse(rest.to_bytes(), path), std::move(source)};
-}
-
-/// A number in the metadata of a file that `tactnet train` wrote.
-template <class Read>
-auto number_in(const std::string& file, const tactnet::file_metadata& metadata, const char* key,
-               const char* expected, Read read) {
-    const auto found = metadata.find(key);
-    if (found == metadata.end())
-        refuse("{}: metadata '{}': expected that of a training, or --images all, found none", file, key);
-    const auto value = read(found->second);
-    if (!value)
-        refuse("{}: metadata '{}': expected {}, found {}", file, key, expected,
-               tactnet::in_quotes(found->second));
-    return *value;
 }
 
 } // namespace
@@ -168,26 +150,36 @@ std::unique_ptr<trained_network> in_eight_bits(const trained_method& trained,
 
 tactnet::data_split stored_split(const std::string& file, const tactnet::file_metadata& metadata,
                                  const std::string& folder, const image_data& data) {
+    const auto text_in = [&](const char* key) -> const std::string& {
+        const auto found = metadata.find(key);
+        if (found == metadata.end())
+            refuse("{}: metadata '{}': expected that of a training, or --images all, found none", file, key);
+        return found->second;
+    };
+    const auto number_in = [&](const char* key, const char* expected, auto read) {
+        const auto value = read(text_in(key));
+        if (!value)
+            refuse("{}: metadata '{}': expected {}, found {}", file, key, expected,
+                   tactnet::in_quotes(text_in(key)));
+        return *value;
+    };
     const auto share_in = [&](const char* key) {
-        return number_in(file, metadata, key, "a share from 0 to below 1", [](const std::string& text) {
+        return number_in(key, "a share from 0 to below 1", [](const std::string& text) {
             const auto value = number_of(text);
             return value && is_share(*value) ? value : std::nullopt;
         });
     };
-    const std::uint64_t seed =
-        number_in(file, metadata, "seed", "a whole number below 2^64", whole_number_of);
+    const std::uint64_t seed = number_in("seed", "a whole number below 2^64", whole_number_of);
     const tactnet::split_shares shares{share_in("validation_share"), share_in("test_share")};
     if (!is_share(shares.validation + shares.test))
         refuse("{}: metadata: expected shares that leave some images for training, found {} to validate and "
                "{} to test",
                file, shares.validation, shares.test);
-    const auto split = metadata.find("split"), trained_on = metadata.find("data");
-    if (split == metadata.end() || trained_on == metadata.end())
-        refuse("{}: metadata: expected 'split' and 'data' of a training, or --images all, found none", file);
-    if (trained_on->second != data.fingerprint)
+    const std::string &split = text_in("split"), &trained_on = text_in("data");
+    if (trained_on != data.fingerprint)
         refuse("{}: expected the images that {} was trained on (fingerprint {}), or --images all, found "
                "others ({})",
-               folder, file, trained_on->second, data.fingerprint);
-    return tactnet::split_data(data.images.labels, data.images.classes.size(), split_rule_of(split->second),
-                               seed, shares);
+               folder, file, trained_on, data.fingerprint);
+    return tactnet::split_data(data.images.labels, data.images.classes.size(), split_rule_of(split), seed,
+                               shares);
 }

@@ -3,7 +3,6 @@
 // A weight file, and what the user says about it where it does not do so itself.
 
 #include "data/image_data.hpp"
-#include "methods/method.hpp"
 #include "methods/training_settings.hpp"
 
 namespace CLI {

@@ -1,20 +1,8 @@
 # A confusion matrix: shares of the true class in colour, counts in figures.
-#     gnuplot -c confusion.gnuplot confusion.csv TITLE CLASS/CLASS/… > confusion.png
-set datafile separator ","
-set termoption noenhanced
-# The names in ARG3 end with a slash each.
-array name[1000]
-n = 0
-rest = ARG3
-while (strlen(rest) > 0) {
-    n = n + 1
-    end = strstrt(rest, "/")
-    name[n] = rest[1:end - 1]
-    rest = rest[end + 1:*]
-}
+set border 31 lt black
+unset grid
 side = 260 + 34 * n
-if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size side + 60,side noenhanced } \
-else { set terminal png size side + 60,side noenhanced }
+eval terminal(sprintf("%d,%d", side + 60, side), "font ',12'")
 array total[n]
 do for [i = 1:n] {
     stats ARG1 skip 1 every ::(i - 1)::(i - 1) using (sum [j = 2:n + 1] column(j)) nooutput
@@ -24,8 +12,8 @@ share(truth, count) = total[int(truth) + 1] > 0 ? count / total[int(truth) + 1] 
 set title ARG2
 set xrange [-0.5:n - 0.5]
 set yrange [n - 0.5:-0.5]
-set xtics rotate by 60 right ("" 0)
-set ytics ("" 0)
+set xtics mirror rotate by 60 right ("" 0)
+set ytics mirror ("" 0)
 do for [i = 1:n] {
     set xtics add (name[i] i - 1)
     set ytics add (name[i] i - 1)

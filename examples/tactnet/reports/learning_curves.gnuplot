@@ -1,12 +1,4 @@
 # Loss and validation accuracy of a training, epoch by epoch.
-#     gnuplot -c learning_curves.gnuplot curves.csv TITLE > curves.png
-set datafile separator ","
-set datafile missing NaN
-if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size 1100,700 font ",11" noenhanced } \
-else { set terminal png size 1100,700 noenhanced }
-set border 3 lc rgb "#8a8a86"
-set tics nomirror
-set grid lc rgb "#d0d0cc" lw 0.5
 stats ARG1 skip 1 using 4 nooutput
 validated = exists("STATS_records") && STATS_records > 0
 set multiplot layout 1,(validated ? 2 : 1) title ARG2

@@ -7,10 +7,8 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/write_file.hpp>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <sys/wait.h>

@@ -5,7 +5,6 @@
 #include "evaluation/results.hpp"
 
 #include <tactnet/training/loop/progress.hpp>
-#include <tactnet/training/metrics.hpp>
 
 /// Writes STEM.csv, and draws it as STEM.png by a script, which gets file, title and names of series as
 /// arguments: no gnuplot and no shell reads these as commands. Returns false where it cannot be drawn, after

@@ -1,12 +1,5 @@
 # A reliability diagram: of recognitions with about the same probability, how many are right; and how many there are.
-#     gnuplot -c reliability.gnuplot reliability.csv TITLE > reliability.png
-set datafile separator ","
-set datafile missing NaN
-if (strstrt(GPVAL_TERMINALS, "pngcairo") > 0) { set terminal pngcairo size 700,900 font ",11" noenhanced } \
-else { set terminal png size 700,900 noenhanced }
-set border 3 lc rgb "#8a8a86"
-set tics nomirror
-set grid lc rgb "#d0d0cc" lw 0.5
+eval terminal("700,900", "font ',11'")
 set lmargin 10
 set rmargin 3
 set xrange [0:1]

@@ -6,7 +6,6 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -20,12 +19,11 @@ struct column {
     std::function<std::string(const study_row&)> cell;
 };
 
-std::string fixed_text(double value, int digits) {
-    return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "";
-}
 column fixed(std::string title, const std::string& member, int digits, double factor = 1) {
-    return {std::move(title),
-            [=](const study_row& row) { return fixed_text(factor * number(row, member), digits); }};
+    return {std::move(title), [=](const study_row& row) {
+                const double value = factor * number(row, member);
+                return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : "";
+            }};
 }
 column percent(std::string title, const std::string& member) {
     return fixed(std::move(title), member, 2, 100);
@@ -37,16 +35,17 @@ column count(std::string title, const std::string& member) {
             }};
 }
 /// "97.80 ± 0.92 (20)", or "(18 of 20)" where splits are missing.
-std::string accuracy_text(const study_row& row, split_rule rule, const std::string& kind = "") {
-    const double mean = number(row, rule, kind + "accuracy"), splits = number(row, rule, kind + "splits"),
-                 wanted = number(row, rule, "splits_wanted");
-    if (!std::isfinite(mean))
-        return "";
-    return fmt::format("{:.2f} ± {:.2f} ({}{})", 100 * mean, 100 * number(row, rule, kind + "deviation"),
-                       splits, kind.empty() && splits < wanted ? fmt::format(" of {}", wanted) : "");
-}
 column accuracy(std::string title, split_rule rule, const std::string& kind = "") {
-    return {std::move(title), [=](const study_row& row) { return accuracy_text(row, rule, kind); }};
+    return {std::move(title), [=](const study_row& row) -> std::string {
+                const double mean = number(row, rule, kind + "accuracy"),
+                             deviation = number(row, rule, kind + "deviation"),
+                             splits = number(row, rule, kind + "splits"),
+                             wanted = number(row, rule, "splits_wanted");
+                if (!std::isfinite(mean))
+                    return "";
+                return fmt::format("{:.2f} ± {:.2f} ({}{})", 100 * mean, 100 * deviation, splits,
+                                   kind.empty() && splits < wanted ? fmt::format(" of {}", wanted) : "");
+            }};
 }
 column by_rule(const std::string& title, split_rule rule, const std::string& member) {
     return percent(title, fmt::format("{}_{}", name_of(rule), member));
@@ -69,27 +68,24 @@ const column type_column{"C++", [](const study_row& row) {
                              return type.empty() ? "" : '`' + type + '`';
                          }};
 
+bool every(const study_row&) {
+    return true;
+}
+
 /// With a line for each row that is wanted.
 study_table table_of(study_table about, const std::vector<column>& columns,
-                     const std::vector<const study_row*>& rows) {
+                     const std::vector<study_row>& rows, bool (*wanted)(const study_row&) = every) {
     about.cells.emplace_back();
     for (const column& c : columns)
         about.cells.front().push_back(c.title);
-    for (const study_row* row : rows) {
+    for (const study_row& row : rows) {
+        if (!wanted(row))
+            continue;
         about.cells.emplace_back();
         for (const column& c : columns)
-            about.cells.back().push_back(c.cell(*row));
+            about.cells.back().push_back(c.cell(row));
     }
     return about;
-}
-template <class Wanted>
-study_table table_of(study_table about, const std::vector<column>& columns,
-                     const std::vector<study_row>& rows, Wanted wanted) {
-    std::vector<const study_row*> some;
-    for (const study_row& row : rows)
-        if (wanted(row))
-            some.push_back(&row);
-    return table_of(std::move(about), columns, some);
 }
 
 study_table front_table(const std::vector<study_row>& rows) {
@@ -146,14 +142,14 @@ study_picture costs_picture(const std::vector<study_row>& rows) {
     for (const published_result& p : published_results)
         if (p.seconds > 0 && has_paper(rows))
             points.push_back(point("paper", 1e6 * p.seconds, p.accuracy, p.deviation));
-    const auto front = pareto_front(rows, rule);
+    const std::vector<study_row> front = pareto_front(rows, rule);
     double errors = -1; // of the last that has its name, from the top: each well below the one before
     for (auto row = front.rbegin(); row != front.rend(); ++row) {
-        const double accuracy = 100 * number(**row, rule, "accuracy"), time = number(**row, "microseconds");
+        const double accuracy = 100 * number(*row, rule, "accuracy"), time = number(*row, "microseconds");
         points.push_back(point("front", time, accuracy, 0));
         if (100 - accuracy <= 1.15 * errors)
             continue;
-        points.push_back(point("names", time, accuracy, 0, title_of(**row)));
+        points.push_back(point("names", time, accuracy, 0, title_of(*row)));
         errors = 100 - accuracy;
     }
     return {"accuracy_and_time",
@@ -204,7 +200,7 @@ study_table methods_table(const std::vector<study_row>& rows) {
                      fixed("µs per frame", "microseconds", 1), fixed("p99", "microseconds_p99", 1),
                      fixed("paper, ms", "published_microseconds", 0, 1e-3), count("parameters", "parameters"),
                      count("multiply-adds", "multiply_adds"), fixed("training, s", "training_seconds", 1)},
-                    rows, [](const study_row&) { return true; });
+                    rows);
 }
 
 study_table details_table(const std::vector<study_row>& rows) {

@@ -7,9 +7,6 @@
 #include <tactnet/io/safetensors/json_checksum.hpp>
 #include <tactnet/io/write_file.hpp>
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cmath>
 
 namespace {
@@ -18,18 +15,6 @@ using tactnet::split_rule;
 
 std::string member(split_rule rule, std::string_view name) {
     return fmt::format("{}_{}", name_of(rule), name);
-}
-
-std::optional<calibration> together(std::span<const calibration> splits) {
-    if (splits.empty())
-        return std::nullopt;
-    calibration all{{0}};
-    for (const calibration& each : splits) {
-        all.scaling.temperature += each.scaling.temperature / static_cast<double>(splits.size());
-        all.before.add(each.before);
-        all.after.add(each.after);
-    }
-    return all;
 }
 
 /// The results of a candidate on splits by a rule.
@@ -78,19 +63,24 @@ void put_accuracies(study_row& row, split_rule rule, const std::vector<const tra
 
 /// What the trainings on the first kind of splits that has any have in common.
 void put_together(study_row& row, const std::vector<const training_result*>& all) {
-    std::vector<calibration> calibrations;
+    const auto calibrated = static_cast<double>(
+        std::ranges::count_if(all, [](const auto* r) { return r->calibration.has_value(); }));
+    calibration together{{0}};
     decision_means decisions;
     row.confusion = tactnet::confusion_matrix(row.classes.size());
     for (const training_result* r : all) {
         row.confusion.add(r->confusion);
-        if (r->calibration)
-            calibrations.push_back(*r->calibration);
+        if (r->calibration) {
+            together.scaling.temperature += r->calibration->scaling.temperature / calibrated;
+            together.before.add(r->calibration->before);
+            together.after.add(r->calibration->after);
+        }
         for (const auto& [name, mean] : r->decisions)
             for (std::size_t i = 0; i < mean.size(); ++i)
                 decisions[name][i] += mean[i];
     }
-    if (const auto found = together(calibrations))
-        put_calibration(row, *found);
+    if (calibrated > 0)
+        put_calibration(row, together);
     put_decisions(row, decisions);
 }
 
@@ -218,31 +208,28 @@ split_rule shown_rule(const std::vector<study_row>& rows) {
                : split_rule::blocked;
 }
 
-std::vector<const study_row*> pareto_front(const std::vector<study_row>& rows, split_rule rule) {
-    std::vector<const study_row*> known, front;
-    for (const study_row& row : rows)
-        if (std::isfinite(number(row, "microseconds")) &&
-            number(row, rule, "splits") == number(row, rule, "splits_wanted")) // not of NaN
-            known.push_back(&row);
-    std::ranges::stable_sort(known, {}, [&](const study_row* row) {
-        return std::pair(number(*row, "microseconds"), -number(*row, rule, "accuracy"));
+std::vector<study_row> pareto_front(const std::vector<study_row>& rows, split_rule rule) {
+    std::vector<study_row> known = rows;
+    std::erase_if(known, [&](const study_row& row) {
+        return !std::isfinite(number(row, "microseconds")) ||
+               !(number(row, rule, "splits") == number(row, rule, "splits_wanted")); // not of NaN
     });
-    double best = -1;
-    for (const study_row* row : known)
-        if (const double accuracy = number(*row, rule, "accuracy"); accuracy > best) {
-            best = accuracy;
+    std::ranges::stable_sort(known, {}, [&](const study_row& row) {
+        return std::pair(number(row, "microseconds"), -number(row, rule, "accuracy"));
+    });
+    std::vector<study_row> front;
+    for (const study_row& row : known)
+        if (front.empty() || number(row, rule, "accuracy") > number(front.back(), rule, "accuracy"))
             front.push_back(row);
-        }
     return front;
 }
 
 const study_row* most_accurate(const std::vector<study_row>& rows, split_rule rule) {
-    const study_row* best = nullptr;
-    for (const study_row& row : rows)
-        if (const double accuracy = number(row, rule, "accuracy");
-            std::isfinite(accuracy) && (best == nullptr || accuracy > number(*best, rule, "accuracy")))
-            best = &row;
-    return best;
+    const auto accuracy = [&](const study_row& row) {
+        return std::fmax(number(row, rule, "accuracy"), -1); // -1 for NaN
+    };
+    const auto best = std::ranges::max_element(rows, {}, accuracy);
+    return best == rows.end() || accuracy(*best) < 0 ? nullptr : &*best;
 }
 
 void write_rows(const std::vector<study_row>& rows, const std::filesystem::path& folder,

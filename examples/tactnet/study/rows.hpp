@@ -51,7 +51,7 @@ void put_decisions(study_row& row, const decision_means& means);
 tactnet::split_rule shown_rule(const std::vector<study_row>& rows);
 
 /// Rows with all their splits than which no other is both faster and more accurate, the fastest first.
-std::vector<const study_row*> pareto_front(const std::vector<study_row>& rows, tactnet::split_rule rule);
+std::vector<study_row> pareto_front(const std::vector<study_row>& rows, tactnet::split_rule rule);
 
 /// The row that is most accurate on splits by the rule, or nothing.
 const study_row* most_accurate(const std::vector<study_row>& rows, tactnet::split_rule rule);

@@ -2,12 +2,9 @@
 
 #include "methods/description.hpp"
 
-#include <tactnet/io/file_error.hpp>
-
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <processor.hpp>
 #include <stopwatch.hpp>

@@ -9,9 +9,7 @@
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
-#include <tactnet/training/loop/trainable.hpp>
 
-#include <type_traits>
 #include <utility>
 
 template <class Network, class Format>
@@ -38,31 +36,41 @@ constexpr std::string_view type_as_spelled() {
     return __PRETTY_FUNCTION__;
 }
 
-/// `OneClass` is the same network for a single class, of which only the costs are needed.
+/// What is trained: a network, or a head, which is not deployed by itself. `OneClass` is the same network for
+/// a single class, of which only the costs are needed.
 template <class Network, class OneClass>
-compiled_network compile_network() {
-    using trainable = tactnet::trainable_network<Network>;
-    static constexpr tactnet::shape input = Network::input_shape;
-    return {.input = input,
+compiled_network compile_trainable() {
+    return {.input = Network::input_shape,
             .outputs = Network::outputs,
             .costs = costs_of<Network>(),
             .costs_of_one = costs_of<OneClass>(),
             .takes_counts = Network::takes_counts,
             .type = type_as_spelled<Network>(),
-            .make = []() -> std::unique_ptr<tactnet::trainable> { return std::make_unique<trainable>(); },
-            .describe = [] { return Network::describe(); },
-            .deploy = [](const any_model& model) -> std::unique_ptr<any_deployed> {
-                return std::make_unique<deployed_network<Network, tactnet::single_precision>>(
-                    tactnet::deploy(static_cast<const trainable&>(*model.network).network(),
-                                    std::span(model.mean).template first<input.size()>(), model.scale));
+            .make = []() -> std::unique_ptr<tactnet::trainable> {
+                return std::make_unique<tactnet::trainable_network<Network>>();
             },
-            .variation_of = [](const tactnet::shape& taken) -> tactnet::images_as_taken::variation {
-                // Images of the paper's array are varied as they were taken, and reduced.
-                constexpr tactnet::shape array = tactnet::tekscan_6077::extents;
-                if constexpr (input != array && input.channels == 1 && input.rows <= array.rows &&
-                              input.columns <= array.columns)
-                    if (taken == array)
-                        return tactnet::images_as_taken::of<array, input>({}).vary;
-                return nullptr;
-            }};
+            .describe = [] { return Network::describe(); },
+            .deploy = nullptr,
+            .variation_of = nullptr};
+}
+
+template <class Network, class OneClass>
+compiled_network compile_network() {
+    static constexpr tactnet::shape input = Network::input_shape;
+    compiled_network code = compile_trainable<Network, OneClass>();
+    code.deploy = [](const any_model& model) -> std::unique_ptr<any_deployed> {
+        const auto& own = static_cast<const tactnet::trainable_network<Network>&>(*model.network);
+        return std::make_unique<deployed_network<Network, tactnet::single_precision>>(tactnet::deploy(
+            own.network(), std::span(model.mean).template first<input.size()>(), model.scale));
+    };
+    code.variation_of = [](const tactnet::shape& taken) -> tactnet::images_as_taken::variation {
+        // Images of the paper's array are varied as they were taken, and reduced.
+        constexpr tactnet::shape array = tactnet::tekscan_6077::extents;
+        if constexpr (input != array && input.channels == 1 && input.rows <= array.rows &&
+                      input.columns <= array.columns)
+            if (taken == array)
+                return tactnet::images_as_taken::of<array, input>({}).vary;
+        return nullptr;
+    };
+    return code;
 }

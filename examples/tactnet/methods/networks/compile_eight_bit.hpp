@@ -7,8 +7,6 @@
 
 #include <tactnet/quantisation.hpp>
 
-#include <algorithm>
-
 template <class Network>
 class eight_bit_code final : public compiled_eight_bit {
     using bytes = tactnet::deployed<Network, tactnet::eight_bit>;

@@ -8,8 +8,6 @@
 #include <tactnet/io/stored_deployed.hpp>
 #include <tactnet/transfer/pretrained_trunk.hpp>
 
-#include <utility>
-
 namespace {
 
 /// Of images one after the other.

@@ -3,21 +3,17 @@
 // ResNet50-SVM and VGG16-SVM, and what does better than these.
 
 #include "methods/description.hpp"
-#include "methods/support_vector_machines/features.hpp"
 #include "methods/support_vector_machines/machine.hpp"
 #include "methods/trunks/features.hpp"
 
 #include <tactnet/features/surf_words.hpp>
 #include <tactnet/runtime/random.hpp>
-#include <tactnet/text/quoting.hpp>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace {
 

@@ -2,17 +2,14 @@
 
 // Compiles a trunk for the program. Included by the generated units only, each of which compiles one.
 
+#include "methods/networks/compile.hpp"
 #include "methods/trunks/compiled.hpp"
 
-#include <tactnet/deployment/deploy.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/pretrained.hpp>
 #include <tactnet/networks.hpp>
 #include <tactnet/training/initialise.hpp>
-#include <tactnet/training/loop/trainable.hpp>
 #include <tactnet/transfer/networks.hpp>
-
-#include <algorithm>
 
 /// The trunks there are: a network each, up to the layer that the paper's authors took features from. A new
 /// one is a struct here and its name in TACTNET_PROGRAM_TRUNKS.
@@ -64,22 +61,6 @@ loaded_trunk deployed_trunk(const Network& network) {
     };
 }
 
-template <class Head, class OneClass>
-compiled_network compile_head() {
-    return {.input = Head::input_shape,
-            .outputs = Head::outputs,
-            .costs = costs_of<Head>(),
-            .costs_of_one = costs_of<OneClass>(),
-            .takes_counts = false,
-            .type = {},
-            .make = []() -> std::unique_ptr<tactnet::trainable> {
-                return std::make_unique<tactnet::trainable_network<Head>>();
-            },
-            .describe = [] { return Head::describe(); },
-            .deploy = nullptr,
-            .variation_of = nullptr};
-}
-
 template <class Trunk, std::size_t Classes>
 std::shared_ptr<const compiled_trunk> compile_trunk() {
     using network = typename Trunk::network;
@@ -93,7 +74,8 @@ std::shared_ptr<const compiled_trunk> compile_trunk() {
         .costs = costs_of<network>(),
         .head_method = Trunk::head_method,
         .head_features_pooled = Trunk::pooled,
-        .head = compile_head<tactnet::feature_head<features, Classes>, tactnet::feature_head<features, 1>>(),
+        .head =
+            compile_trainable<tactnet::feature_head<features, Classes>, tactnet::feature_head<features, 1>>(),
         .arrays = [] { return tactnet::stored_arrays_of<network>(); },
         .load =
             [](const compiled_trunk& trunk, tactnet::safetensors_source& file, std::string_view prefix) {

@@ -4,7 +4,6 @@
 // compiled once, for the size of its photographs, which images of any size become. compile.hpp has the
 // templates behind it.
 
-#include "methods/method.hpp"
 #include "methods/networks/compiled.hpp"
 
 #include <tactnet/io/stored_arrays.hpp>

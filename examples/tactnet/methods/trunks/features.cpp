@@ -11,11 +11,7 @@
 #include <tactnet/transfer/feature_extractor.hpp>
 #include <tactnet/transfer/pretrained_trunk.hpp>
 
-#include <fmt/format.h>
-
 #include <interrupt.hpp>
-#include <stopwatch.hpp>
-#include <utility>
 
 namespace {
 

@@ -6,7 +6,6 @@
 #include "methods/support_vector_machines/features.hpp"
 #include "methods/trunks/compiled.hpp"
 
-#include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/transfer/photograph.hpp>
 
 #include <mutex>
