@@ -6,7 +6,6 @@
 #include <console.hpp>
 #include <cstdlib>
 #include <interrupt.hpp>
-#include <limits>
 #include <number_options.hpp>
 #include <stopwatch.hpp>
 
@@ -102,9 +101,7 @@ TEST_SUITE("program") {
         says(shop.text("r/evaluation.jsonl"), "\"seed\":\"18446744073709551615\"");
 
         // Two images a class, of which a small share is none.
-        for (const char* name : {"left", "middle, of all", "right"})
-            for (std::size_t i = 2; i < images_per_class; ++i)
-                fs::remove(shop.data() / name / ("image" + std::to_string(i) + ".png"));
+        shop.keep_images(2);
         shop.refuses(
             arguments("--test 0.1"),
             "data: expected enough images for a test, of which --test takes a share of 0.1, found 6 of 3 "

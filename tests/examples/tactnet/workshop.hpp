@@ -4,6 +4,7 @@
 
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
+#include <tactnet/io/write_file.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <doctest/doctest.h>
@@ -11,17 +12,21 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstddef>
 #include <cstdint>
 #include <decode_image.hpp>
 #include <fcntl.h>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <map>
 #include <set>
+#include <span>
 #include <spawn.h>
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <support/files/data_folder.hpp>
 #include <support/files/temporary_folder.hpp>
 #include <support/run_program.hpp>
 #include <sys/wait.h>
@@ -36,6 +41,7 @@ namespace support {
 namespace fs = std::filesystem;
 
 inline constexpr std::size_t rows = 7, columns = 13, images_per_class = 12;
+inline constexpr const char* class_names[] = {"left", "middle, of all", "right"}; // the comma is for CSV
 
 inline void says(const std::string& text, std::string_view part) {
     CAPTURE(part);
@@ -55,10 +61,7 @@ inline std::vector<std::string> lines_of(const std::string& text) {
     return lines;
 }
 
-struct outcome {
-    int status;
-    std::string out, error;
-};
+using outcome = program_result;
 
 /// The exit status of a process, or 1000 and the signal that ended it.
 inline int status_of(int status) {
@@ -88,7 +91,6 @@ class workshop {
 public:
     workshop() {
         fs::create_directory(work());
-        const char* names[] = {"left", "middle, of all", "right"}; // the comma is for CSV
         tactnet::random_stream random(1, tactnet::random_purposes::order);
         for (std::size_t c = 0; c < 3; ++c)
             for (std::size_t i = 0; i < images_per_class; ++i) {
@@ -96,13 +98,21 @@ public:
                 for (std::size_t e = 0; e < pixels.size(); ++e)
                     pixels[e] =
                         static_cast<std::uint8_t>(random.below(40) + (e % columns / 5 == c ? 150 : 0));
-                fs::create_directories(data() / names[c]);
-                write_png(data() / names[c] / ("image" + std::to_string(i) + ".png"), rows, columns, pixels);
+                fs::create_directories(data() / class_names[c]);
+                write_png(image(c, i), rows, columns, pixels);
             }
     }
 
     fs::path data() const { return folder_ / "data"; }
-    fs::path image() const { return data() / "left" / "image0.png"; }
+    fs::path image(std::size_t label = 0, std::size_t index = 0) const {
+        return data() / class_names[label] / ("image" + std::to_string(index) + ".png");
+    }
+    /// The first of each class alone: some methods take long for an image.
+    void keep_images(std::size_t count) const {
+        for (std::size_t c = 0; c < 3; ++c)
+            for (std::size_t i = count; i < images_per_class; ++i)
+                fs::remove(image(c, i));
+    }
     fs::path work() const { return folder_ / "work"; }
     fs::path operator/(const fs::path& name) const { return work() / name; }
     std::string text(const fs::path& name) const { return text_of(work() / name); }

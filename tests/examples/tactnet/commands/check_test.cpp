@@ -2,10 +2,6 @@
 
 #include "../workshop.hpp"
 
-#include <tactnet/io/write_file.hpp>
-
-#include <support/files/data_folder.hpp>
-
 using namespace support;
 
 namespace {

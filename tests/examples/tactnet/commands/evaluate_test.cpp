@@ -13,14 +13,13 @@ using namespace support;
 TEST_SUITE("program") {
     TEST_CASE("evaluate: what is done is kept") {
         const workshop shop;
-        const auto evaluate = [&](const words& more) {
-            return shop.run(
-                "evaluate --data DATA --method tactnet4,tactnet6-economical --rows 7 --columns 13 "
-                "--epochs 3 --results r" +
-                more);
+        const auto arguments = [](const words& more) {
+            return "evaluate --data DATA --method tactnet4,tactnet6-economical --rows 7 --columns 13 "
+                   "--epochs 3 --results r" +
+                   more;
         };
+        const auto evaluate = [&](const words& more) { return shop.succeeds(arguments(more)); };
         const outcome first = evaluate("--splits 1 --jobs 2");
-        REQUIRE_MESSAGE(first.status == 0, first.error);
         says(first.error, "4 trainings to do, of 4 in all");
         const auto kept = shop.text("r/evaluation.jsonl");
         CHECK(lines_of(kept).size() == 4);
@@ -28,10 +27,9 @@ TEST_SUITE("program") {
             const auto result = nlohmann::json::parse(line);
             CHECK(result.at("reflected_accuracy").is_number());
             CHECK(result.at("calibration").at("temperature").is_number());
-            std::size_t images = 0;
+            std::size_t images = 0, tested = 0;
             for (const auto& bin : result.at("calibration").at("after"))
                 images += bin.at(0).get<std::size_t>();
-            std::size_t tested = 0;
             for (const auto& count : result.at("confusion"))
                 tested += count.get<std::size_t>();
             CHECK(images == tested);
@@ -62,28 +60,20 @@ TEST_SUITE("program") {
         says(first.out, "right class in the set, %");
 
         // Unknown objects take one more training per split.
-        const auto with_unknown = [&](const char* number) {
-            return shop.run("evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --epochs 3 "
-                            "--results u --splits 2 --split random --jobs 1" +
-                            words{"--unknown", number});
-        };
-        const outcome unknown = with_unknown("1");
-        REQUIRE_MESSAGE(unknown.status == 0, unknown.error);
-        says(unknown.out, "unknown by softmax: area, %");
+        const words with_unknown("evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --epochs 3 "
+                                 "--results u --splits 2 --split random --jobs 1 --unknown");
+        says(shop.succeeds(with_unknown + "1").out, "unknown by softmax: area, %");
         const auto measured = nlohmann::json::parse(shop.lines("u/table.jsonl")[0]);
         for (const char* share : {"unknown_softmax_area", "unknown_softmax_accepted", "unknown_energy_area",
                                   "unknown_energy_accepted"})
             CHECK_MESSAGE((measured.at(share) >= 0 && measured.at(share) <= 1), share);
-        says(with_unknown("2").error, "--unknown: expected to leave two of 3 classes or more, found 2");
+        shop.refuses(with_unknown + "2", "--unknown: expected to leave two of 3 classes or more, found 2");
 
-        const outcome second = evaluate("--splits 2 --jobs 1");
-        REQUIRE_MESSAGE(second.status == 0, second.error);
-        says(second.error, "4 trainings to do, of 8 in all");
+        says(evaluate("--splits 2 --jobs 1").error, "4 trainings to do, of 8 in all");
         CHECK(shop.text("r/evaluation.jsonl").starts_with(kept));
 
         // One kind of split alone: the same trainings, and nothing is said of the other kind.
         const outcome random = evaluate("--splits 2 --split random --jobs 1");
-        CHECK(random.status == 0);
         says(random.error, "0 trainings to do, of 4 in all");
         says(random.out, "random splits, %");
         for (const std::string& text : {random.out, shop.text("r/accuracy_and_time.csv")})
@@ -104,9 +94,7 @@ TEST_SUITE("program") {
         for (std::size_t at = 0; (at = older.find(version, at)) != std::string::npos; at += version.size())
             older.insert(at + version.size(), "0.");
         tactnet::write_file(shop / "r/evaluation.jsonl", older);
-        const outcome changed = evaluate("--splits 1");
-        CHECK(changed.status == 2);
-        says(changed.error, "evaluation.jsonl: checksum of the line 1: expected");
+        shop.refuses(arguments("--splits 1"), "evaluation.jsonl: checksum of the line 1: expected");
         // As that version would have written it.
         const auto summed_anew = [](const std::string& text) {
             std::string all;
@@ -116,17 +104,15 @@ TEST_SUITE("program") {
         };
         older = summed_anew(older);
         tactnet::write_file(shop / "r/evaluation.jsonl", older);
-        CHECK(evaluate("--splits 1").error.find("4 trainings to do, of 4 in all") != std::string::npos);
+        says(evaluate("--splits 1").error, "4 trainings to do, of 4 in all");
         CHECK(shop.text("r/evaluation.jsonl").starts_with(older));
 
-        CHECK(evaluate("--splits 1 --afresh").error.find("4 trainings to do, of 4 in all") !=
-              std::string::npos);
+        says(evaluate("--splits 1 --afresh").error, "4 trainings to do, of 4 in all");
         CHECK(shop.lines("r/evaluation.jsonl").size() == 4);
 
         tactnet::write_file(shop / "r/evaluation.jsonl", "{}\n");
-        const outcome damaged = evaluate("--splits 1");
-        CHECK(damaged.status == 2);
-        says(damaged.error, "evaluation.jsonl: line 1: expected a result of tactnet evaluate, found");
+        shop.refuses(arguments("--splits 1"),
+                     "evaluation.jsonl: line 1: expected a result of tactnet evaluate, found");
     }
 
     TEST_CASE("evaluate: support vector machines, on the same splits") {
@@ -225,8 +211,7 @@ TEST_SUITE("program") {
         REQUIRE(write(file, line.data() + half, line.size() - half) ==
                 static_cast<ssize_t>(line.size() - half));
         REQUIRE(close(file) == 0);
-        const outcome waited = shop.wait(child);
-        REQUIRE_MESSAGE(waited.status == 0, waited.error);
+        CHECK(shop.wait(child).status == 0);
         CHECK(text_of(list).starts_with(line));
         CHECK(lines_of(text_of(list)).size() == 3);
     }

@@ -9,14 +9,12 @@ TEST_SUITE("program") {
         const workshop shop;
         const auto simulate = [&](const char* out, words more) {
             more.insert(more.begin(), {"simulate", "--out", out, "--per-class", "2"});
-            return shop.run(more);
+            return shop.succeeds(more).out;
         };
-        const outcome made = simulate("one", "--threads 1");
-        CHECK(made.status == 0);
-        says(made.out, "44 images of 22 classes");
-        REQUIRE(simulate("three", "--threads 3").status == 0);
-        REQUIRE(simulate("other", "--seed 2").status == 0);
-        REQUIRE(simulate("ideal", "--scene ideal").status == 0);
+        says(simulate("one", "--threads 1"), "44 images of 22 classes");
+        simulate("three", "--threads 3");
+        simulate("other", "--seed 2");
+        simulate("ideal", "--scene ideal");
         std::size_t files = 0, same = 0;
         for (const auto& entry : fs::recursive_directory_iterator(shop / "one"))
             if (entry.path().extension() == ".png") {
@@ -33,7 +31,7 @@ TEST_SUITE("program") {
 
         // A folder begun with these settings is continued, any other left alone.
         fs::remove(shop / "one" / "rock" / "00002.png");
-        CHECK(simulate("one", {}).status == 0);
+        simulate("one", {});
         CHECK(shop.text("one/rock/00002.png") == shop.text("three/rock/00002.png"));
         shop.refuses_each({
             {"simulate --out one --per-class 3", "expected images of the same simulation"},
@@ -53,15 +51,14 @@ TEST_SUITE("program") {
         // Ended at its very beginning, it can still be continued.
         fs::create_directory(shop / "begun");
         fs::copy(shop / "one" / "simulation.json", shop / "begun");
-        CHECK(simulate("begun", {}).status == 0);
+        simulate("begun", {});
         CHECK(shop.text("begun/rock/00002.png") == shop.text("three/rock/00002.png"));
     }
 
     TEST_CASE("simulate: Ctrl-C, then the same command goes on; two at once do no harm") {
         const workshop shop;
         const auto command = [](const char* out) {
-            return std::vector<std::string>{"simulate", "--out",     out, "--per-class", "40", "--seed",
-                                            "3",        "--threads", "1"};
+            return "simulate --per-class 40 --seed 3 --threads 1" + words{"--out", out};
         };
         const pid_t child = shop.start(command("stopped"));
         shop.wait_for_file("stopped/ball/00002.png");

@@ -3,9 +3,6 @@
 #include "../workshop.hpp"
 
 #include <tactnet/io/safetensors/json_checksum.hpp>
-#include <tactnet/io/write_file.hpp>
-
-#include <cstddef>
 
 using namespace support;
 

@@ -40,7 +40,7 @@ TEST_SUITE("program") {
         const outcome all = shop.succeeds("evaluate --weights out/net.safetensors --data DATA --images all");
         says(all.out, "     36  ");
 
-        const std::string image = (shop.data() / "middle, of all" / "image3.png").string();
+        const std::string image = shop.image(1, 3).string();
         const outcome named = shop.succeeds({"classify", "--weights", "out/net.safetensors", image, image});
         const auto lines = lines_of(named.out);
         REQUIRE(lines.size() == 2);
@@ -85,13 +85,8 @@ TEST_SUITE("program") {
     TEST_CASE("train: it starts from a weight file") {
         const workshop shop;
         shop.trains("--output first.safetensors");
-        const auto again = [&](const words& more) {
-            words all("--start first.safetensors --epochs 1 --seed 6");
-            all += more;
-            return shop.train(all);
-        };
-        REQUIRE(again("--output second.safetensors").status == 0);
-        REQUIRE(again("--output third.safetensors").status == 0);
+        for (const char* again : {"second.safetensors", "third.safetensors"})
+            shop.trains("--start first.safetensors --epochs 1 --seed 6 --output" + words{again});
         shop.trains("--epochs 1 --seed 6 --output fresh.safetensors");
         const auto second = tactnet::safetensors::read(shop / "second.safetensors"),
                    third = tactnet::safetensors::read(shop / "third.safetensors"),
@@ -111,10 +106,8 @@ TEST_SUITE("program") {
         };
         CHECK(distance(second) > 0);
         CHECK(distance(second) < 0.2 * distance(fresh)); // one epoch does not lead far
-        CHECK(
-            shop.run("evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --start first.safetensors "
-                     "--epochs 1 --splits 1 --results results")
-                .status == 0);
+        shop.succeeds("evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --epochs 1 --splits 1 "
+                      "--start first.safetensors");
 
         shop.refuses(shop.train_arguments("--start none.safetensors --output x.safetensors"),
                      "none.safetensors");
@@ -260,13 +253,9 @@ TEST_SUITE("program") {
         const pid_t child = shop.start(arguments("net", "first"));
         shop.wait_for_first_epoch(child);
         REQUIRE(shop.stop(child, SIGINT).status == 130);
-        const auto resumed = [](std::vector<std::string> all) {
-            all.emplace_back("--resume");
-            return all;
-        };
-        shop.refuses(resumed(arguments("net", "other")), "setting 'start' of the stopped training");
-        shop.refuses(resumed(shop.train_arguments("--epochs 1500 --output net")), "of the stopped training");
-        shop.succeeds(resumed(arguments("net", "first")));
+        shop.refuses(arguments("net", "other") + "--resume", "setting 'start' of the stopped training");
+        shop.refuses(shop.train_arguments("--epochs 1500 --output net --resume"), "of the stopped training");
+        shop.succeeds(arguments("net", "first") + "--resume");
         shop.succeeds(arguments("whole", "first"));
         CHECK(shop.text("net") == shop.text("whole"));
     }

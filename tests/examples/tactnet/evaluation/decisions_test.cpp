@@ -1,13 +1,9 @@
 // Sets of classes, faults and unknown objects, measured on made-up images and logits.
 
-#include <doctest/doctest.h>
+#include "../workshop.hpp"
 
-#include <cstddef>
-#include <cstdint>
 #include <evaluation/decisions.hpp>
 #include <numeric>
-#include <string>
-#include <vector>
 
 namespace {
 

@@ -8,11 +8,10 @@ using namespace support;
 
 namespace {
 
-std::vector<std::string> evaluate_arguments(const words& more) {
-    words all("evaluate --data DATA --rows 7 --columns 13 --epochs 3 --splits 1 --split random "
-              "--results r --jobs 1");
-    all += more;
-    return all;
+words evaluate_arguments(const words& more) {
+    return "evaluate --data DATA --rows 7 --columns 13 --epochs 3 --splits 1 --split random --results r "
+           "--jobs 1" +
+           more;
 }
 
 } // namespace
@@ -34,7 +33,7 @@ TEST_SUITE("program") {
 
         says(shop.succeeds("evaluate --weights out/net.safetensors --data DATA").out, "tactnet4  7x13");
         shop.succeeds("evaluate --weights out/net.safetensors --data DATA --images all");
-        const std::string image = (shop.data() / "middle, of all" / "image3.png").string();
+        const std::string image = shop.image(1, 3).string();
         CHECK(shop.succeeds({"classify", "--weights", "out/net.safetensors", image})
                   .out.starts_with("\"" + image + "\",1,\"middle, of all\",0."));
         shop.succeeds("export --weights out/net.safetensors --output net.hpp");
@@ -56,6 +55,8 @@ TEST_SUITE("program") {
             "found '8'");
         shop.refuses("evaluate --weights out/net.safetensors --data DATA --bits 8",
                      "--bits: expected a training, found --weights, whose file says itself");
+        shop.refuses("evaluate --weights out/net.safetensors --data DATA --sizes nonsense",
+                     "--sizes: expected a training, found --weights, whose file says itself");
     }
 
     TEST_CASE("train: of 8 bits, what has no such form says so") {
@@ -85,7 +86,6 @@ TEST_SUITE("program") {
 
     TEST_CASE("export: with --bits 8 a file in single precision becomes one in 8 bits, or such a header") {
         const workshop shop;
-        const std::string data = shop.data().string();
         shop.trains("--epochs 8 --output float.safetensors");
         shop.trains("--epochs 8 --output bytes.safetensors --bits 8");
         const outcome turned = shop.succeeds(
@@ -126,13 +126,12 @@ TEST_SUITE("program") {
 
     TEST_CASE("evaluate: with --bits 8 each training is reported in both formats, and done once") {
         const workshop shop;
-        const auto evaluate = [&](const words& more) { return shop.run(evaluate_arguments(more)); };
-        REQUIRE(evaluate("--method tactnet4").status == 0);
+        const auto evaluate = [&](const words& more) { return shop.succeeds(evaluate_arguments(more)); };
+        evaluate("--method tactnet4");
         CHECK(shop.lines("r/evaluation.jsonl").size() == 1);
         CHECK(shop.lines("r/table.csv").size() == 2);
 
         const outcome first = evaluate("--method tactnet4 --bits 8");
-        REQUIRE_MESSAGE(first.status == 0, first.error);
         says(first.error, "1 trainings to do, of 1 in all");
         const auto lines = shop.lines("r/evaluation.jsonl");
         REQUIRE(lines.size() == 2); // that in single precision was there
@@ -150,16 +149,12 @@ TEST_SUITE("program") {
         CHECK(fs::exists(shop / "r/confusion_tactnet4_7x13.csv"));
         CHECK(fs::exists(shop / "r/confusion_tactnet4_7x13_8bit.csv"));
 
-        const outcome second = evaluate("--method tactnet4 --bits 8");
-        CHECK(second.status == 0);
-        says(second.error, "0 trainings to do, of 1 in all");
-        const outcome third = evaluate("--method tactnet4");
-        CHECK(third.status == 0);
-        says(third.error, "0 trainings to do, of 1 in all");
+        for (const char* again : {"--method tactnet4 --bits 8", "--method tactnet4"})
+            says(evaluate(again).error, "0 trainings to do, of 1 in all");
         CHECK(shop.lines("r/evaluation.jsonl").size() == 2);
 
         // A training that was not done yet adds both lines.
-        REQUIRE(evaluate("--method tactnet4 --bits 8 --seed 3").status == 0);
+        evaluate("--method tactnet4 --bits 8 --seed 3");
         CHECK(shop.lines("r/evaluation.jsonl").size() == 4);
         // Results in 8 bits alone have nothing to compare with: the training is done once more.
         tactnet::write_file(shop / "r/evaluation.jsonl", lines[1] + "\n");

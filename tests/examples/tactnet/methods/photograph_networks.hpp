@@ -10,8 +10,6 @@
 
 #include <bit>
 #include <cmath>
-#include <cstddef>
-#include <span>
 
 namespace support {
 
@@ -71,12 +69,6 @@ void write_pretrained(const std::filesystem::path& file,
     write_pretrained<Network>(file, type, [](std::string&, std::vector<std::size_t>&) {});
 }
 
-/// Fewer images than the workshop has: networks are large.
-inline void keep_images(const workshop& shop, std::size_t count) {
-    for (const char* folder : {"left", "middle, of all", "right"})
-        for (std::size_t i = count; i < images_per_class; ++i)
-            fs::remove(shop.data() / folder / ("image" + std::to_string(i) + ".png"));
-}
 inline std::vector<std::string> training(const workshop& shop, const std::string& method,
                                          const std::string& output, words more = {}) {
     more.insert(more.begin(), {"--method", method, "--output", output, "--pretrained", "pretrained"});

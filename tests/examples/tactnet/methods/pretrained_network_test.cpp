@@ -2,12 +2,7 @@
 
 #include "photograph_networks.hpp"
 
-#include <tactnet/io/safetensors/source.hpp>
-#include <tactnet/io/write_file.hpp>
 #include <tactnet/networks.hpp>
-
-#include <cmath>
-#include <cstddef>
 
 using namespace support;
 using tactnet::element_type;
@@ -19,7 +14,7 @@ using squeezenet = tactnet::squeezenet1_1<tactnet::shape{227, 227, 3}>;
 /// Nine images of the workshop in 28 × 50, a network of which few epochs take seconds.
 struct fine_tuning {
     workshop shop;
-    fine_tuning() { keep_images(shop, 3); }
+    fine_tuning() { shop.keep_images(3); }
     bool known() const { return knows(shop, "squeezenet-nn"); }
     words arguments(const std::string& output, words more) const {
         more.insert(more.begin(),

@@ -3,10 +3,8 @@
 #include "../workshop.hpp"
 
 #include <array>
-#include <limits>
 #include <memory>
 #include <methods/support_vector_machines/machine.hpp>
-#include <span>
 
 using namespace support;
 
@@ -89,12 +87,10 @@ TEST_SUITE("program") {
 
             // All images one by one are what the matrix of all says.
             words arguments{"classify", "--weights", weights};
-            for (const char* folder : {"left", "middle, of all", "right"})
+            for (std::size_t c = 0; c < 3; ++c)
                 for (std::size_t i = 0; i < images_per_class; ++i)
-                    arguments.push_back(
-                        (shop.data() / folder / ("image" + std::to_string(i) + ".png")).string());
-            const outcome named = shop.succeeds(arguments);
-            const auto lines = lines_of(named.out);
+                    arguments.push_back(shop.image(c, i).string());
+            const auto lines = lines_of(shop.succeeds(arguments).out);
             REQUIRE(lines.size() == 3 * images_per_class);
             std::string matrix = "true class,left,\"middle, of all\",right\n";
             std::size_t right = 0;

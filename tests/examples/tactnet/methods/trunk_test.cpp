@@ -2,14 +2,10 @@
 
 #include "photograph_networks.hpp"
 
-#include <tactnet/io/safetensors/source.hpp>
-#include <tactnet/io/write_file.hpp>
 #include <tactnet/networks.hpp>
 
 #include <files/claims.hpp>
 #include <iterator>
-#include <limits>
-#include <support/files/data_folder.hpp>
 
 using namespace support;
 using tactnet::element_type;
@@ -27,7 +23,7 @@ void check_from_end_to_end(const std::string& method, element_type type) {
     if (!knows(shop, method))
         return;
     CAPTURE(method);
-    keep_images(shop, 3);
+    shop.keep_images(3);
     write_pretrained<Network>(shop / "pretrained", type);
     says(shop.succeeds(training(shop, method, "net", "--validation 0 --test 0.3 --self-test 1")).error,
          "features of 9 of 9 images");
@@ -110,7 +106,7 @@ TEST_SUITE("program") {
         const workshop shop;
         if (!knows(shop, "squeezenet-pooled-svm"))
             return;
-        keep_images(shop, 5);
+        shop.keep_images(5);
         write_pretrained<squeezenet>(shop / "pretrained");
         const auto arguments = [](const char* methods, const words& more) {
             return words{"evaluate", "--method", methods} +
@@ -225,7 +221,7 @@ TEST_SUITE("program") {
 
         // The file of a training, which holds all that it needs.
         write_pretrained<squeezenet>(shop / "pretrained");
-        keep_images(shop, 3);
+        shop.keep_images(3);
         shop.succeeds(training(shop, "squeezenet-pooled-svm", "svm", "--test 0.3"));
         shop.succeeds(training(shop, "squeezenet-pooled-nn", "nn", "--epochs 1 --test 0.3"));
         rewrite(shop / "svm", shop / "nan", "trunk.features.0.bias",

@@ -1,31 +1,15 @@
 // The rows of a study: the front, results as they are kept, CSV and JSON lines, the page and pictures.
 
+#include "../workshop.hpp"
 #include "rows.hpp"
 
 #include <tactnet/io/safetensors/json_checksum.hpp>
-#include <tactnet/io/write_file.hpp>
 
-#include <doctest/doctest.h>
-
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <evaluation/results.hpp>
-#include <limits>
-#include <map>
-#include <set>
-#include <span>
-#include <sstream>
-#include <string>
-#include <string_view>
 #include <study/page.hpp>
 #include <study/published.hpp>
-#include <support/files/data_folder.hpp>
-#include <support/files/temporary_folder.hpp>
-#include <support/run_program.hpp>
 #include <tuple>
-#include <utility>
-#include <vector>
 
 using namespace support;
 using tactnet::split_rule;
@@ -37,16 +21,13 @@ using rows_list = std::vector<study_row>;
 
 titles front_of(const rows_list& rows, split_rule rule = split_rule::random) {
     titles found;
-    for (const study_row* row : pareto_front(rows, rule))
-        found.push_back(title_of(*row));
+    for (const study_row& row : pareto_front(rows, rule))
+        found.push_back(title_of(row));
     return found;
 }
 
 std::string page(const rows_list& rows) {
     return study_page(rows, {{"drawn", "what it shows"}}, "images. program");
-}
-bool has(const std::string& text, std::string_view part) {
-    return text.find(part) != std::string::npos;
 }
 
 /// The accuracy of a row is of blocked splits.
@@ -58,8 +39,7 @@ void make_blocked(study_row& row) {
 /// Lines of a CSV file without quotes, the head first.
 std::vector<std::vector<std::string>> cells_of(const std::filesystem::path& path) {
     std::vector<std::vector<std::string>> lines;
-    std::istringstream text(text_of(path));
-    for (std::string line; std::getline(text, line);) {
+    for (const std::string& line : lines_of(text_of(path))) {
         std::istringstream cells(line);
         lines.emplace_back();
         for (std::string cell; std::getline(cells, cell, ',');)
@@ -113,8 +93,7 @@ TEST_SUITE("program") {
         rows[0].values["random_validation_accuracy"] = std::nan("");
         write_rows(rows, folder.path(), "rows");
         std::vector<nlohmann::json> read;
-        std::istringstream lines(text_of(folder / "rows.jsonl"));
-        for (std::string line; std::getline(lines, line);) {
+        for (const std::string& line : lines_of(text_of(folder / "rows.jsonl"))) {
             const tactnet::checked_json checked = tactnet::check_json(line, "lines");
             CHECK(checked.checksum == tactnet::checksum_state::verified);
             read.push_back(nlohmann::json::parse(checked.text));
@@ -131,9 +110,9 @@ TEST_SUITE("program") {
                               "random_accuracy,random_deviation,random_validation_accuracy,"
                               "random_training_accuracy,random_reflected_splits,random_reflected_accuracy,"
                               "random_reflected_deviation,blocked_splits,"));
-        CHECK(has(csv, ",unknown_energy_accepted,declaration\n\"net, "
-                       "\"\"own\"\"\",7,13,default,32,20.0,20.0,0.875,0.01,,,"));
-        CHECK(has(csv, "\nlost,28,50,default,8,,,"));
+        says(csv, ",unknown_energy_accepted,declaration\n\"net, "
+                  "\"\"own\"\"\",7,13,default,32,20.0,20.0,0.875,0.01,,,");
+        says(csv, "\nlost,28,50,default,8,,,");
     }
 
     TEST_CASE(
@@ -241,12 +220,12 @@ TEST_SUITE("program") {
 
     TEST_CASE("study_page: tables between comments, of what is known") {
         study_row net = studied("net|a", 0.875, 10);
-        CHECK(has(page({net}), "more accurate, over random splits."));
-        CHECK(has(page({net}), "\n![what it shows](drawn.png)\n\nwhat it shows\n"));
+        says(page({net}), "more accurate, over random splits.");
+        says(page({net}), "\n![what it shows](drawn.png)\n\nwhat it shows\n");
         for (const char* table : {"probabilities", "decisions", "memory"}) // of methods that have such
-            CHECK(!has(page({net}), std::string("study ") + table));
+            says_not(page({net}), std::string("study ") + table);
         net.values["random_splits_wanted"] = 25;
-        CHECK(!has(page({net}), "study front")); // not all of its splits are there
+        says_not(page({net}), "study front"); // not all of its splits are there
         net.values["random_reflected_accuracy"] = 0.905;
         net.values["random_reflected_deviation"] = 0.0075;
         net.values["random_reflected_splits"] = 12;
@@ -275,9 +254,9 @@ TEST_SUITE("program") {
               "| net\\|a | 7 × 13 | default | 95.00 | 1.125 | 12.50 | |",
               "| weights, bytes | working memory, bytes |\n| --- | --- | --- | --- |\n| net\\|a | 7 × 13 | "
               "4 936 | |\n<!-- study memory ends -->"}) // once for all recipes
-            CHECK_MESSAGE(has(text, part), part);
+            says(text, part);
         make_blocked(net);
-        CHECK(has(page({net}), "All blocked splits together."));
+        says(page({net}), "All blocked splits together.");
     }
 
     TEST_CASE("study_pictures: methods by family, and the Pareto front with names that do not overlap") {
@@ -288,13 +267,13 @@ TEST_SUITE("program") {
         const std::string csv = study_pictures(rows).front().csv;
         CHECK(csv.starts_with("series,x,accuracy,deviation,label\ntouches,10.0,90.0,1.0,\n"
                               "machines,20.0,95.0,1.0,\n"));
-        CHECK(has(csv, // no comma in a name: gnuplot ends a text there
-                  "\nfront,30.0,95.1,0.0,\nnames,30.0,95.1,0.0,near 7x13\nfront,20.0,95.0,0.0,\n"
-                  "front,10.0,90.0,0.0,\nnames,10.0,90.0,0.0,net 7x13\n"));
-        CHECK(!has(csv, "5.0,99"));
-        CHECK(!has(csv, "paper"));
+        says(csv, // no comma in a name: gnuplot ends a text there
+             "\nfront,30.0,95.1,0.0,\nnames,30.0,95.1,0.0,near 7x13\nfront,20.0,95.0,0.0,\n"
+             "front,10.0,90.0,0.0,\nnames,10.0,90.0,0.0,net 7x13\n");
+        says_not(csv, "5.0,99");
+        says_not(csv, "paper");
         rows[0].values["published_accuracy"] = 0.9;
-        CHECK(has(study_pictures(rows).front().csv, "\npaper,103000.0,95.02,1.33,\n"));
+        says(study_pictures(rows).front().csv, "\npaper,103000.0,95.02,1.33,\n");
     }
 
     TEST_CASE("study_pictures: tactels where a method was tried at several sizes") {
@@ -305,9 +284,9 @@ TEST_SUITE("program") {
         REQUIRE(pictures.size() == 2);
         CHECK(pictures[1].name == "accuracy_and_tactels");
         CHECK(pictures[1].series == std::vector<std::string>{"net default"});
-        CHECK(has(pictures[1].csv, "\nnet default,91.0,80.0,1.0,"));
-        CHECK(has(pictures[1].csv, "\nnet default,1400.0,90.0,1.0,"));
-        CHECK(!has(pictures[1].csv, "once"));
+        says(pictures[1].csv, "\nnet default,91.0,80.0,1.0,");
+        says(pictures[1].csv, "\nnet default,1400.0,90.0,1.0,");
+        says_not(pictures[1].csv, "once");
     }
 
     TEST_CASE("csv_of: a head and a line for each object, empty fields for what is not known") {
