@@ -54,20 +54,25 @@ int run(int count, char** arguments) {
 int main(int count, char** arguments) {
     prepare_standard_streams();
     require_stack("tactnet");
+    const auto complain = [](const std::exception& error, int status) {
+        tell("tactnet: {}\n", printable(error.what()));
+        return status;
+    };
     try {
         const int status = run(count, arguments);
         finish_output();
         return status;
+    } catch (const tactnet::file_error& error) {
+        return complain(error, bad_input);
+    } catch (const usage_error& error) {
+        return complain(error, bad_input);
     } catch (const std::bad_alloc&) {
         tell("tactnet: expected enough memory, found none left\n");
         return failed;
     } catch (const std::system_error& error) { // a thread too many
         tell("tactnet: the system refuses what it was asked for: '{}'\n", printable(error.what()));
         return failed;
-    } catch (const std::exception& error) { // bad input, or a training that diverged
-        tell("tactnet: {}\n", printable(error.what()));
-        const bool is_input = dynamic_cast<const tactnet::file_error*>(&error) != nullptr ||
-                              dynamic_cast<const usage_error*>(&error) != nullptr;
-        return is_input ? bad_input : failed;
+    } catch (const std::exception& error) { // a training that diverged
+        return complain(error, failed);
     }
 }

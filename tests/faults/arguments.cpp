@@ -116,19 +116,21 @@ void any_words(scene& s) {
 /// Something at `place` that is no file to read.
 std::string put_trap(scene& s, const fs::path& place) {
     fs::remove_all(place);
-    const std::pair<const char*, fs::path> traps[]{{"a pipe", {}},
-                                                   {"a folder", {}},
-                                                   {"a dangling link", "nowhere"},
+    const std::size_t kind = s.below(6);
+    if (kind == 0) {
+        static_cast<void>(::mkfifo(place.c_str(), 0666));
+        return "a pipe";
+    }
+    if (kind == 1) {
+        fs::create_directory(place);
+        return "a folder";
+    }
+    const std::pair<const char*, fs::path> links[]{{"a dangling link", "nowhere"},
                                                    {"a link to itself", place.filename()},
                                                    {"an endless device", "/dev/zero"},
                                                    {"unreadable memory", "/proc/self/mem"}};
-    const auto& [what, target] = s.one_of(traps);
-    if (!target.empty())
-        fs::create_symlink(target, place);
-    else if (what == traps[1].first)
-        fs::create_directory(place);
-    else
-        static_cast<void>(::mkfifo(place.c_str(), 0666));
+    const auto& [what, target] = links[kind - 2];
+    fs::create_symlink(target, place);
     return what;
 }
 

@@ -125,7 +125,8 @@ ending decode(scene& s, const std::string& name, const std::string& bytes) {
 }
 
 /// Without what differs from run to run: the microseconds after a stream's last tab.
-std::string without_times(std::string text) {
+std::string without_times(const std::string& from) {
+    std::string text = from;
     for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; ++at)
         if (const std::size_t tab = text.rfind('\t', at);
             tab != std::string::npos && text.find('\n', tab) == at) {
@@ -135,9 +136,9 @@ std::string without_times(std::string text) {
     return text;
 }
 
-/// Other frames, by what of them is `compared`, need a message.
+/// If damage `must_report`, output that differs in what is `compared` needs a message.
 void decode_damaged(scene& s, const std::string& name, const std::string& bytes, bool must_report,
-                    std::string (*compared)(std::string) = without_times) {
+                    std::string (*compared)(const std::string&) = without_times) {
     const ending end = decode(s, name, bytes);
     s.expect_message(end, name);
     if (must_report && end.error.empty())
@@ -146,7 +147,7 @@ void decode_damaged(scene& s, const std::string& name, const std::string& bytes,
 }
 
 /// The rows of frames in CSV, without the lines of their numbers and times, which no sum covers.
-std::string cells_of(std::string csv) {
+std::string cells_of(const std::string& csv) {
     std::string cells;
     for (const std::string& line : lines_of(csv))
         if (!line.starts_with("frame"))

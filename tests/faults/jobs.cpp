@@ -16,7 +16,7 @@ std::string differs(const materials& made, const std::string& original, const fs
     return bytes_of(left) == bytes_of(made / original) ? "" : left.filename().string() + " is another one";
 }
 
-/// Whether these files are as they were made.
+/// Why one of these files differs from what was made; empty if none does.
 auto as_made(const words& names) {
     return [=](const materials& made, const fs::path& folder, bool done) {
         std::string problem;
@@ -72,8 +72,10 @@ std::string wrong_among_reports(const fs::path& folder) {
 } // namespace
 
 void expect_right(const scene& s, const job& what, bool done, const std::string& when) {
-    for (const std::string& problem : {what.wrong(s.made, s.folder, done), wrong_among_reports(s.folder)})
-        s.expect(problem.empty(), what.name + when + ": " + problem);
+    const std::string wrong = what.wrong(s.made, s.folder, done);
+    s.expect(wrong.empty(), what.name + when + ": " + wrong);
+    const std::string report = wrong_among_reports(s.folder);
+    s.expect(report.empty(), what.name + when + ": " + report);
 }
 
 std::vector<job> jobs(const materials& made, bool only_writers) {
@@ -147,10 +149,10 @@ void attempt(scene& s, const job& what, conditions under, bool heard) {
                    (file.first.find("confusion_") != std::string::npos && file.first.ends_with(".png"));
         });
         static const bool there_is_gnuplot = fs::exists(s.made / "net.confusion.png");
-        const bool told = std::ranges::any_of(std::array{"gnuplot", "warning", "icture"}, [&](auto* word) {
-            return end.error.find(word) != std::string::npos;
-        });
-        s.expect(drawn || told || !there_is_gnuplot, what.name + ": no picture, and no word about it");
+        const bool reported =
+            std::ranges::any_of(std::array{"gnuplot", "warning", "icture"},
+                                [&](auto* word) { return end.error.find(word) != std::string::npos; });
+        s.expect(drawn || reported || !there_is_gnuplot, what.name + ": no picture, and no word about it");
     }
 }
 

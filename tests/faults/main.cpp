@@ -59,17 +59,27 @@ arguments read(int count, char** given) {
     arguments asked;
     asked.which = {TACTNET_PROGRAM, TACTNET_DECODE_PROGRAM, TACTNET_STREAM_PROGRAM};
     CLI::App app(
-        "Tries faults on the programs, and tells which were silent or ended in disorder. A case depends on "
+        "Tries faults on the programs, and reports which were silent or ended in disorder. A case depends on "
         "the seed, its group and its number alone: --only and --case repeat it.");
     std::vector<std::string> names;
     for (const group& g : groups)
         names.push_back(g.name);
+    // CLI11 by itself takes octal and negative numbers.
+    const CLI::Validator digits(
+        [](const std::string& text) -> std::string {
+            const bool right = text == "0" || (!text.empty() && text.size() <= 18 && text[0] != '0' &&
+                                               text.find_first_not_of("0123456789") == std::string::npos);
+            return right ? "" : "expected a whole number, found '" + text + "'";
+        },
+        "NUMBER");
     bool is_short = false;
     app.add_flag("--short", is_short, "400 cases of a seed that is the same each run, for a test");
-    auto* const cases = app.add_option("--cases", asked.cases, "Number of cases (default: 5000)");
-    auto* const seed = app.add_option("--seed", asked.seed, "Seed (default: another one each run)");
+    auto* const cases =
+        app.add_option("--cases", asked.cases, "Number of cases (default: 5000)")->check(digits);
+    auto* const seed =
+        app.add_option("--seed", asked.seed, "Seed (default: another one each run)")->check(digits);
     auto* const only = app.add_option("--only", asked.only, "One group alone")->check(CLI::IsMember(names));
-    app.add_option("--case", asked.number, "One case of that group alone")->needs(only);
+    app.add_option("--case", asked.number, "One case of that group alone")->needs(only)->check(digits);
     app.add_option("--tactnet", asked.which.tactnet, "The program");
     app.add_option("--decode", asked.which.decode, "The example that reads recordings");
     app.add_option("--stream", asked.which.stream, "The example that reads a stream");

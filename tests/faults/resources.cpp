@@ -66,11 +66,11 @@ void kill_and_resume(scene& s, std::size_t number) {
         conditions killed = quick;
         killed.signal = signals[s.below(signals.size())];
         killed.after = length * static_cast<int>(s.below(1000)) / 1000;
-        const ending end = s.run_anyhow(again(s, what), killed);
+        const ending end = s.run_to_any_end(again(s, what), killed);
         if (end.done())
             break;
         if (end.hung || (end.signal != killed.signal && end.status != 130)) {
-            s.require_order(end);
+            s.expect_order(end);
             // Only a signal ends it: what there is can always be resumed.
             s.expect(false, what.name + ": what a killed one left is not readable: " + end.text());
         }
@@ -115,7 +115,7 @@ void fill_the_disk([[maybe_unused]] scene& s, [[maybe_unused]] std::size_t numbe
         const fs::path& folder;
         ~mounted() { ::umount2(folder.c_str(), MNT_DETACH); }
     } const disk{s.folder};
-    s.note("on a tmpfs of " + size);
+    s.note(" on a tmpfs of " + size);
     conditions under;
     under.pictures = pictures;
     try {

@@ -120,12 +120,12 @@ void scene::bring(const std::string& name) const {
 }
 
 ending scene::run(const words& command, const conditions& under) {
-    ending end = run_anyhow(command, under);
-    require_order(end);
+    ending end = run_to_any_end(command, under);
+    expect_order(end);
     return end;
 }
 
-ending scene::run_anyhow(const words& command, const conditions& under) {
+ending scene::run_to_any_end(const words& command, const conditions& under) {
     command_ += (command_.empty() ? "" : "\n      then ") + shell_line(command, folder, under);
     return faults::run(command, folder, under);
 }

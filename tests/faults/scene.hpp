@@ -82,8 +82,8 @@ public:
     /// Runs, and notes the command. Throws a finding unless the program ends in good order.
     ending run(const words& command, const conditions& under = {});
     /// The same, however it ends.
-    ending run_anyhow(const words& command, const conditions& under);
-    void require_order(const ending& end) const {
+    ending run_to_any_end(const words& command, const conditions& under);
+    void expect_order(const ending& end) const {
         if (!end.orderly())
             throw finding{verdict::aborted, end.text()};
     }
@@ -98,12 +98,12 @@ public:
     }
 
     /// For the report: what was run, and under which conditions.
-    const std::string& command() const { return command_; }
-    void note(const std::string& text) { command_ += text; }
+    std::string command() const { return command_ + conditions_; }
+    void note(const std::string& conditions) { conditions_ = conditions; }
 
 private:
     std::mt19937_64 engine_;
-    std::string command_;
+    std::string command_, conditions_;
 };
 
 /// The lines of a text, without their ends; and such lines as a text.

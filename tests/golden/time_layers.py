@@ -14,10 +14,10 @@ try:
     import numpy
     import torch
     from torch import nn
-    import weight_files
 except ImportError as missing:
     print(missing)
     sys.exit(77)
+import weight_files
 
 FILE = pathlib.Path(__file__).with_name("time_layers.safetensors")
 FRAMES, FEATURES = 13, 3

@@ -1,5 +1,5 @@
-# What comes before every picture's own script: a table, names, the size and the style.
-#     cat common.gnuplot NAME.gnuplot | gnuplot -c /dev/stdin NAME.csv TITLE NAME/NAME/… > NAME.png
+# What comes before every picture's own script: a table, names, the size and the style. In this folder:
+#     cat common.gnuplot confusion.gnuplot | gnuplot -c /dev/stdin confusion.csv TITLE NAME/NAME/… > confusion.png
 set datafile separator ","
 set datafile missing NaN
 # The names in ARG3 end with a slash each.

@@ -22,6 +22,7 @@ set xlabel "recognised class"
 set ylabel "true class"
 set size ratio 1
 set cbrange [0:1]
+set cbtics mirror
 set palette defined (0 "white", 1 "dark-blue")
 set cblabel "share of the true class"
 unset key

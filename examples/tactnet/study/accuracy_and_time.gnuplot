@@ -1,4 +1,6 @@
 # Test accuracy against time per frame: each method, the Pareto front, the paper.
+#     cat ../reports/common.gnuplot accuracy.gnuplot accuracy_and_time.gnuplot | \
+#         gnuplot -c /dev/stdin accuracy_and_time.csv > accuracy_and_time.png
 # Hues that colour-blind people can distinguish; grey for the paper.
 array name = ["touches", "photographs", "machines", "paper", "front", "names"]
 array title = ["networks for touches", "ImageNet-pretrained networks", "support vector machines", "the paper", \

@@ -212,7 +212,7 @@ std::vector<study_row> pareto_front(const std::vector<study_row>& rows, split_ru
     std::vector<study_row> known = rows;
     std::erase_if(known, [&](const study_row& row) {
         return !std::isfinite(number(row, "microseconds")) ||
-               !(number(row, rule, "splits") == number(row, rule, "splits_wanted")); // not of NaN
+               !(number(row, rule, "splits") == number(row, rule, "splits_wanted")); // also of NaN
     });
     std::ranges::stable_sort(known, {}, [&](const study_row& row) {
         return std::pair(number(row, "microseconds"), -number(row, rule, "accuracy"));

@@ -26,6 +26,8 @@ using rbf_options = tactnet::kernel_training_options<tactnet::rbf_kernel>;
 /// Which machine, and what it is trained with.
 using svm_options = std::variant<linear_options, product_options, pair_options, rbf_options>;
 
+namespace detail {
+
 inline std::string scheme_text(tactnet::multiclass scheme) {
     return scheme == tactnet::multiclass::one_versus_one ? "one versus one" : "one versus rest";
 }
@@ -55,11 +57,13 @@ tactnet::file_metadata own_settings(const Options& o) {
     return all;
 }
 
+} // namespace detail
+
 /// Everything but the samples that decides the result of a training.
 inline tactnet::file_metadata describe(const svm_options& options) {
     return std::visit(
         [](const auto& o) {
-            tactnet::file_metadata all = own_settings(o);
+            tactnet::file_metadata all = detail::own_settings(o);
             all["cost"] = fmt::to_string(o.cost);
             all["standardise"] = fmt::to_string(o.standardise);
             all["tolerance"] = fmt::to_string(o.solver.tolerance);

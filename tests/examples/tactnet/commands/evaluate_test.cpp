@@ -211,7 +211,8 @@ TEST_SUITE("program") {
         REQUIRE(write(file, line.data() + half, line.size() - half) ==
                 static_cast<ssize_t>(line.size() - half));
         REQUIRE(close(file) == 0);
-        CHECK(shop.wait(child).status == 0);
+        const outcome waited = shop.wait(child);
+        REQUIRE_MESSAGE(waited.status == 0, waited.error);
         CHECK(text_of(list).starts_with(line));
         CHECK(lines_of(text_of(list)).size() == 3);
     }

@@ -1,9 +1,13 @@
 // Sets of classes, faults and unknown objects, measured on made-up images and logits.
 
-#include "../workshop.hpp"
+#include <doctest/doctest.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <evaluation/decisions.hpp>
 #include <numeric>
+#include <string>
+#include <vector>
 
 namespace {
 

@@ -1,11 +1,18 @@
 // What guards a stopped training: a checkpoint is resumed only where all that decides the result is the
 // same.
 
-#include "../workshop.hpp"
-
 #include <tactnet/io/checkpoint.hpp>
+#include <tactnet/io/file_error.hpp>
 
+#include <doctest/doctest.h>
+
+#include <cstddef>
 #include <methods/description.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <support/files/temporary_folder.hpp>
+#include <vector>
 
 namespace {
 
