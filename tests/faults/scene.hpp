@@ -81,7 +81,7 @@ public:
     void bring(const std::string& name) const;
     /// Runs, and notes the command. Throws a finding unless the program ends in good order.
     ending run(const words& command, const conditions& under = {});
-    /// The same, however it ends.
+    /// Runs, and notes the command, however the program ends.
     ending run_to_any_end(const words& command, const conditions& under);
     void expect_order(const ending& end) const {
         if (!end.orderly())

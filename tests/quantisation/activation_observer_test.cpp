@@ -81,6 +81,16 @@ TEST_CASE(
                       folded) == std::numeric_limits<double>::infinity());
 }
 
+TEST_CASE("activation_observer: each image has its outputs, also those after the last group of sixteen") {
+    std::vector<float> images;
+    for (std::size_t i = 1; i <= 37; ++i) // inputs (i, 0), so sums (i, 1 − i) and outputs (i, i)
+        images.insert(images.end(), {10 + 2 * static_cast<float>(i), 20});
+    const detail::activation_observer seen(description(), folded, 0.5f, images);
+    REQUIRE(seen.outputs().size() == 2 * 37);
+    for (std::size_t o = 0; o < 2 * 37; ++o)
+        CHECK(seen.outputs()[o] == static_cast<float>(o / 2 + 1));
+}
+
 TEST_CASE("activation_observer: of many images some in even distances are observed") {
     constexpr std::size_t most = detail::activation_observer::max_observed;
     std::vector<float> many;

@@ -388,13 +388,13 @@ TEST_CASE("trainer: refuses a split without training images") {
 
 TEST_CASE("trainer: refuses the split of other images, whatever part of it does not fit") {
     toy_setup setup{4};
-    const char* const told = "images: expected indices below 12 in the split, found 12";
+    const char* const error = "images: expected indices below 12 in the split, found 12";
     CHECK_NOTHROW(setup.begin(data_split{{0, 11}, {11}, {}}));
-    CHECK_THROWS_WITH_AS(setup.begin(data_split{{0, 12}, {1}, {}}), told, std::invalid_argument);
-    CHECK_THROWS_WITH_AS(setup.begin(data_split{{0}, {12}, {}}), told, std::invalid_argument);
+    CHECK_THROWS_WITH_AS(setup.begin(data_split{{0, 12}, {1}, {}}), error, std::invalid_argument);
+    CHECK_THROWS_WITH_AS(setup.begin(data_split{{0}, {12}, {}}), error, std::invalid_argument);
     const std::vector<std::size_t> test{12};
     CHECK_THROWS_WITH_AS(static_cast<void>(evaluate(net(), {}, setup.task.images(), test, setup.threads)),
-                         told, std::invalid_argument);
+                         error, std::invalid_argument);
 }
 
 TEST_CASE("trainer: images that do not fit the network are refused, in training and in evaluation") {
