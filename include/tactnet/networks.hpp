@@ -10,7 +10,9 @@
 #include <tactnet/networks/normalisation.hpp>
 #include <tactnet/networks/published.hpp>
 #include <tactnet/networks/recognition.hpp>
+#include <tactnet/networks/symmetric_window.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/networks/tactnet4_strided.hpp>
 #include <tactnet/networks/tactnet6.hpp>
+#include <tactnet/networks/tactnet6_symmetric.hpp>
 #include <tactnet/networks/tactresnet.hpp>

@@ -3,29 +3,14 @@
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/published.hpp>
+#include <tactnet/networks/symmetric_window.hpp>
 
 #include <cstddef>
 #include <optional>
 
-// Networks of TactNet-4's layers whose windows lie symmetrically on every map, so that an image and its
-// reflections are sampled at the same places. With stride 2, a window of 2 pixels does so along an even side,
-// and one of 3 along an odd side. TactNet-4 takes 2 everywhere; along odd sides its last window hangs over
-// the edge, so that it samples an image and its reflection at different places.
+// Networks of TactNet-4's layers with symmetric windows.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
-
-/// The window that lies symmetrically, with stride 2 and `padding::same`, on an image whose sides were halved
-/// `halvings` times, rounding up. It has `even` pixels, an even number, along an even side, and one more
-/// along an odd side.
-[[nodiscard]] constexpr extent2d symmetric_window(std::size_t rows, std::size_t columns, std::size_t even,
-                                                  std::size_t halvings) {
-    const auto side = [&](std::size_t size) {
-        for (std::size_t i = 0; i < halvings; ++i)
-            size = (size + 1) / 2;
-        return even + size % 2;
-    };
-    return {side(rows), side(columns)};
-}
 
 /// Filters of the three convolutions.
 struct tactnet4_filters {
