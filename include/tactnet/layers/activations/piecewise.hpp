@@ -46,25 +46,32 @@ struct leaky_relu_function {
 struct relu6_function {
     static constexpr const char *name = "relu6", *title = "ReLU6", *type = "tactnet::relu6_function",
                                 *header = "tactnet/layers/activations/piecewise.hpp";
+    static constexpr bool takes_vectors = true;
 
-    template <class T>
-    static constexpr T value(T x) {
-        return x < 0 ? T(0) : x > 6 ? T(6) : x;
+    template <class Number>
+    static constexpr Number value(const Number& x) {
+        return kernels::at_least(Number(0), kernels::at_most(Number(6), x));
     }
-    template <class T>
-    static constexpr T backward(T y, T gradient) {
-        return y > 0 && y < 6 ? gradient : T(0);
+    template <class Number>
+    static constexpr Number backward(const Number& y, const Number& gradient) {
+        return kernels::choose_lanes(y > Number(0), kernels::choose_lanes(y < Number(6), gradient, Number(0)),
+                                     Number(0));
     }
 };
 
 namespace detail {
 
-/// `middle` between −3 and 3, `below` and `above` elsewhere; NaN stays NaN.
+/// (x + 3) ÷ 6, at most 1. In single precision by a product, within 2 units in the last place: the sum is
+/// exact near −3, and a division would take as long as all the rest.
 template <class Number>
-[[nodiscard]] constexpr Number between(const Number& x, const Number& below, const Number& middle,
-                                       const Number& above) {
-    return kernels::choose_lanes(x > Number(-3), kernels::choose_lanes(x < Number(3), middle, above),
-                                 kernels::choose_lanes(x == x, below, x));
+[[nodiscard]] constexpr Number hard_share(const Number& x) {
+    constexpr auto sixth = [] {
+        if constexpr (std::same_as<Number, double>)
+            return 1.0 / 6;
+        else
+            return 1.0F / 6;
+    }();
+    return kernels::at_most(Number(1), (x + Number(3)) * Number(sixth));
 }
 
 } // namespace detail
@@ -79,7 +86,7 @@ struct hard_sigmoid_function {
 
     template <class Number>
     static constexpr Number value(const Number& x) {
-        return detail::between(x, Number(0), (x + Number(3)) / Number(6), Number(1));
+        return kernels::at_least(Number(0), detail::hard_share(x));
     }
     template <class Number>
     static constexpr Number backward(const Number& y, const Number& gradient) {
@@ -97,11 +104,14 @@ struct hard_swish_function {
 
     template <class Number>
     static constexpr Number value(const Number& x) {
-        return detail::between(x, Number(0), x * ((x + Number(3)) / Number(6)), x);
+        const Number from = kernels::at_least(Number(-3), x); // −∞ times 0 would be NaN
+        return from * detail::hard_share(from);
     }
     template <class Number>
     static constexpr Number backward_from_input(const Number& x, const Number& gradient) {
-        return detail::between(x, Number(0), gradient * ((x + Number(1.5F)) / Number(3)), gradient);
+        const Number between = gradient * ((x + Number(1.5F)) / Number(3));
+        return kernels::choose_lanes(x > Number(-3), kernels::choose_lanes(x < Number(3), between, gradient),
+                                     kernels::choose_lanes(x == x, Number(0), x));
     }
 };
 
