@@ -167,7 +167,7 @@ TEST_CASE("convolve_tiles: pools, sums and ReLU") {
         const std::size_t outputs = kernels::tile_plan(c).outputs;
         CHECK(outputs > 0);
         compare_large(c, outputs, 3);
-        c.relu = true;
+        c.activation = fused<relu_function>;
         compare_large(c, outputs, 4);
     }
 }
