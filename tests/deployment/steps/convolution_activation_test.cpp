@@ -126,15 +126,16 @@ void compare_methods() {
 
 } // namespace
 
-TEST_CASE("fused_activation: bit-identical with a step of its own, by all methods") {
+TEST_CASE(
+    "convolution_step: an activation function is bit-identical with a step of its own, by all methods") {
     compare_methods<hard_swish_function>(); // in registers
     compare_methods<silu_function>();       // on stored outputs
 }
 
-TEST_CASE_TEMPLATE("fused_activation: each function", Function, relu_function, leaky_relu_function<10>,
-                   leaky_relu_function<200>, relu6_function, hard_sigmoid_function, sigmoid_function,
-                   hyperbolic_tangent_function, elu_function<1000>, elu_function<300>, softplus_function,
-                   gelu_function) {
+TEST_CASE_TEMPLATE("convolution_step: each activation function", Function, relu_function,
+                   leaky_relu_function<10>, leaky_relu_function<200>, relu6_function, hard_sigmoid_function,
+                   sigmoid_function, hyperbolic_tangent_function, elu_function<1000>, elu_function<300>,
+                   softplus_function, gelu_function) {
     compare<Function, step({5, 7, 3}, 3, 16, 16)>("direct");
     compare<Function, adding(step({13, 9, 32}, 3, 48, 32))>("Winograd");
     CHECK(fused<Function>->output_bound(3) >= 3);
@@ -143,7 +144,8 @@ TEST_CASE_TEMPLATE("fused_activation: each function", Function, relu_function, l
     CHECK(fused<Function>->largest_value == own::largest_output);
 }
 
-TEST_CASE("fused_activation: several frames by Winograd, and the shares of threads") {
+TEST_CASE(
+    "convolution_step: activation functions of several frames by Winograd, and in the shares of threads") {
     constexpr frame_convolution tiles = with<gelu_function>(step({7, 6, 16}, 3, 16, 16));
     using method = trial<tiles>::step::method;
     if constexpr (method::frames_together > 1) {
@@ -177,7 +179,7 @@ TEST_CASE("fused_activation: several frames by Winograd, and the shares of threa
     in_shares(trial<with<elu_function<1000>>(step({3, 3, 256}, 3, 192, 256))>());
 }
 
-TEST_CASE("fused_activation: what a list of layers becomes") {
+TEST_CASE("convolution_step: which lists of layers fuse an activation function") {
     const auto count = []<class... Steps>(std::type_identity<step_chain<Steps...>>) {
         return sizeof...(Steps);
     };
