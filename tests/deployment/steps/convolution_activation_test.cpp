@@ -118,7 +118,7 @@ void compare_methods() {
     compare<Function, in_groups(step({9, 11, 16}, 3, 16, 16), 16)>("depthwise");
     compare<Function, pooled(in_groups(step({9, 11, 32}, 3, 32, 32), 32), 2)>("depthwise");
     compare<Function, in_groups(step({6, 9, 32}, 5, 64, 32, 2), 2)>("group by group");
-    compare<Function, step({28, 50, 16}, 3, 16, 16)>("panels");
+    compare<Function, step({28, 50, 16}, 3, 64, 16)>("panels");
     compare<Function, pooled(step({30, 41, 32}, 3, 64, 32), 2)>("panels");
     compare<Function, adding(step({30, 30, 64}, 1, 96, 64))>("panels");
     compare<Function, step({29, 30, 16}, 5, 64, 16)>("panels");
@@ -174,7 +174,7 @@ TEST_CASE(
             CHECK(same_bits(one.out, whole));
         }
     };
-    in_shares(trial<with<elu_function<1000>>(step({28, 50, 16}, 3, 16, 16))>());
+    in_shares(trial<with<elu_function<1000>>(step({28, 50, 16}, 3, 64, 16))>());
     in_shares(trial<with<elu_function<1000>>(step({29, 30, 16}, 5, 64, 16))>());
     in_shares(trial<with<elu_function<1000>>(step({3, 3, 256}, 3, 192, 256))>());
 }
