@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/kernels/fused_activation.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
@@ -46,14 +45,7 @@ struct epilogue {
     const float* bias =
         nullptr;              ///< of the filters of the panel; null for the second and later parts of a sum
     bool accumulates = false; ///< whether the output accumulates
-    const fused_activation* activation = nullptr; ///< the function that follows, if any
-
-    [[nodiscard]] bool rectifies() const { return activation != nullptr && activation->rectifies; }
-    /// Applies any function but a ReLU, which registers hold, to the stored outputs of a block.
-    void activate(float* output, std::size_t rows, std::size_t output_stride, std::size_t filters) const {
-        if (activation != nullptr && !activation->rectifies)
-            activation->apply({output, 1, 0, rows, output_stride, filters});
-    }
+    bool rectifies = false;   ///< whether a ReLU follows
 };
 
 /// The rows of a product, in and out. A row of inputs is `lines` pieces of `depth` inputs each.
@@ -130,7 +122,7 @@ template <std::size_t Rows, std::size_t Vectors, std::size_t Panels = 1>
         }
         to = rows.output;
     }
-    if (end.rectifies()) {
+    if (end.rectifies) {
 #pragma GCC unroll 64
         for (std::size_t i = 0; i < sums_of_block; ++i)
             sums[i / across][i % across] = maximum_or_second(wide(0.0f), sums[i / across][i % across]);
@@ -185,7 +177,6 @@ void multiply_panels(panel_rows rows, std::size_t count, const filter_panels& pa
             panels.begin(panel + at_once) - filter == at_once * vectors * lanes<float> &&
             panels.size(panel + at_once - 1) == vectors) {
             one_row[vectors - 1](some, from, vectors * lanes<float> * depth, some_end);
-            end.activate(some.output, 1, 0, at_once * vectors * lanes<float>);
             panel += at_once;
             continue;
         }
@@ -194,7 +185,6 @@ void multiply_panels(panel_rows rows, std::size_t count, const filter_panels& pa
         for (std::size_t p = 0; p < pieces; ++p) {
             const std::size_t size = count / pieces + (p < count % pieces);
             blocks[vectors - 1][size - 1](some, from, 0, some_end);
-            end.activate(some.output, size, rows.output_stride, vectors * lanes<float>);
             some.input += size * rows.input_stride, some.output += size * rows.output_stride;
         }
         ++panel;
