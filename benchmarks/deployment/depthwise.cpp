@@ -34,7 +34,7 @@ inline constexpr frame_convolution depthwise{.window =
                                                  sliding_window::over(Input, Kernel, Stride, padding::same),
                                              .filters = Input.channels,
                                              .input_stride = pad_to_cache_line(Input.channels),
-                                             .relu = true,
+                                             .activation = tactnet::fused<tactnet::relu_function>,
                                              .groups = Input.channels};
 
 /// oneDNN's depthwise convolution: of floats, or of bytes with signed weights, where outputs are sum ×

@@ -158,8 +158,8 @@ void compare(const char* name, auto&& build) {
 }
 
 // oneDNN's side of single layers.
-auto eltwise(dnnl::algorithm function, float alpha = 0, float beta = 0) {
-    return [=](floats& chain, const auto&) { chain.eltwise(function, alpha, beta); };
+auto eltwise(const floats::function& function) {
+    return [=](floats& chain, const auto&) { chain.eltwise(function); };
 }
 template <shape Input, extent2d Window, extent2d Stride, padding Padding = padding::same>
 auto pool(dnnl::algorithm kind) {
@@ -168,9 +168,9 @@ auto pool(dnnl::algorithm kind) {
     };
 }
 template <class Layer>
-void convolve(floats& chain, const sliding_window& window, extent2d dilation, std::size_t groups, bool relu,
-              std::span<const float>& values) {
-    chain.convolution({window, Layer::output.channels, groups, dilation, relu, 1},
+void convolve(floats& chain, const sliding_window& window, extent2d dilation, std::size_t groups,
+              const floats::function& after, std::span<const float>& values) {
+    chain.convolution({window, Layer::output.channels, groups, dilation, after, 1},
                       values.first(Layer::parameters - Layer::output.channels),
                       values.subspan(Layer::parameters - Layer::output.channels, Layer::output.channels));
     values = values.subspan(Layer::parameters);
@@ -182,7 +182,7 @@ void compare_dilated(const char* name) {
     compare<Input, spec, relu>(name, [](floats& chain, const auto& net) {
         using layer = typename spec::template layer<float, Input>;
         std::span<const float> values = net.learnable_values();
-        convolve<layer>(chain, layer::window, Dilation, 1, true, values);
+        convolve<layer>(chain, layer::window, Dilation, 1, {how::eltwise_relu}, values);
     });
 }
 template <shape Input, std::size_t Filters, extent2d Kernel, extent2d Stride, padding Crop>
@@ -195,6 +195,16 @@ void compare_transposed(const char* name) {
                             values.subspan(layer::weights, Filters));
     });
 }
+/// A convolution of the same size with an activation function: one step, compared with oneDNN's post-op.
+template <shape Input, extent2d Kernel, class Activation>
+void compare_fused(const char* name, const floats::function& after) {
+    using spec = conv2d<Input.channels, Kernel>;
+    compare<Input, spec, Activation>(name, [&](floats& chain, const auto& net) {
+        using layer = typename spec::template layer<float, Input>;
+        std::span<const float> values = net.learnable_values();
+        convolve<layer>(chain, layer::window, 1, 1, after, values);
+    });
+}
 /// A depthwise convolution of 3 × 3 and a pointwise one, each with ReLU.
 template <shape Input, std::size_t Filters, extent2d Stride = 1>
 void compare_pair(const char* name) {
@@ -204,8 +214,8 @@ void compare_pair(const char* name) {
         using first = typename depthwise::template layer<float, Input>;
         using second = typename pointwise::template layer<float, first::output>;
         std::span<const float> values = net.learnable_values();
-        convolve<first>(chain, first::window, 1, Input.channels, true, values);
-        convolve<second>(chain, second::window, 1, 1, true, values);
+        convolve<first>(chain, first::window, 1, Input.channels, {how::eltwise_relu}, values);
+        convolve<second>(chain, second::window, 1, 1, {how::eltwise_relu}, values);
     });
 }
 
@@ -238,7 +248,7 @@ void compare_bytes(const char* name) {
         folded.insert(folded.end(), biases.begin(), biases.end());
         folded.insert(folded.end(), c.filters, 1.0f);
         folded.insert(folded.end(), {1, 0, scale, 0});
-        peer.convolution({c.window, c.filters, c.groups, 1, c.relu, 1 / scale}, weights, biases);
+        peer.convolution({c.window, c.filters, c.groups, 1, {how::eltwise_relu}, 1 / scale}, weights, biases);
     };
     (append(std::type_identity<convolution_step<eight_bit, Kernels>>{}), ...);
     aligned_vector<std::int8_t> packed(steps::packed_elements);
@@ -272,7 +282,7 @@ constexpr frame_convolution after(const frame_convolution& before, std::size_t s
                                            kernel, by, padding::same),
             .filters = filters,
             .input_stride = stride,
-            .relu = true,
+            .activation = fused<relu_function>,
             .groups = groups};
 }
 template <frame_convolution Before>
@@ -287,7 +297,7 @@ inline constexpr frame_convolution first_of{.window =
                                                 sliding_window::over(Input, Kernel, Stride, padding::same),
                                             .filters = Filters,
                                             .input_stride = Input.channels,
-                                            .relu = true,
+                                            .activation = fused<relu_function>,
                                             .groups = Groups};
 template <shape Input, std::size_t Filters, extent2d Stride = 1>
 void compare_pair_of_bytes(const char* name) {
@@ -322,19 +332,32 @@ void compare_pools_and_sizes() {
     compare_transposed<small, 16, 3, 2, pad(1, 0, 1, 0)>("transposed convolution 3 × 3 by 2, 16 filters");
 }
 void compare_activations() {
-    compare<large, relu>("ReLU", eltwise(how::eltwise_relu));
-    compare<large, leaky_relu<>>("leaky ReLU", eltwise(how::eltwise_relu, 0.01f));
-    compare<large, relu6>("ReLU6", eltwise(how::eltwise_clip, 0, 6));
-    compare<large, hard_swish>("hard swish", eltwise(how::eltwise_hardswish));
-    compare<large, sigmoid>("sigmoid", eltwise(how::eltwise_logistic));
-    compare<large, silu>("SiLU", eltwise(how::eltwise_swish, 1));
-    compare<large, hyperbolic_tangent>("tanh", eltwise(how::eltwise_tanh));
-    compare<large, elu<>>("ELU", eltwise(how::eltwise_elu, 1));
-    compare<large, softplus>("softplus", eltwise(how::eltwise_soft_relu));
-    compare<large, gelu>("GELU", eltwise(how::eltwise_gelu_erf));
+    compare<large, relu>("ReLU", eltwise({how::eltwise_relu}));
+    compare<large, leaky_relu<>>("leaky ReLU", eltwise({how::eltwise_relu, 0.01f}));
+    compare<large, relu6>("ReLU6", eltwise({how::eltwise_clip, 0, 6}));
+    compare<large, hard_swish>("hard swish", eltwise({how::eltwise_hardswish}));
+    compare<large, sigmoid>("sigmoid", eltwise({how::eltwise_logistic}));
+    compare<large, silu>("SiLU", eltwise({how::eltwise_swish, 1}));
+    compare<large, hyperbolic_tangent>("tanh", eltwise({how::eltwise_tanh}));
+    compare<large, elu<>>("ELU", eltwise({how::eltwise_elu, 1}));
+    compare<large, softplus>("softplus", eltwise({how::eltwise_soft_relu}));
+    compare<large, gelu>("GELU", eltwise({how::eltwise_gelu_erf}));
     compare<large, parametric_relu>("parametric ReLU", [](floats& chain, const auto& net) {
         chain.prelu(std::span<const float>(net.learnable_values()).first(large.channels));
     });
+}
+void compare_fused_activations() {
+    compare_fused<large, 3, relu>("convolution 3 × 3, ReLU", {how::eltwise_relu});
+    compare_fused<large, 3, leaky_relu<>>("convolution 3 × 3, leaky ReLU", {how::eltwise_relu, 0.01f});
+    compare_fused<large, 3, hard_swish>("convolution 3 × 3, hard swish", {how::eltwise_hardswish});
+    compare_fused<large, 3, sigmoid>("convolution 3 × 3, sigmoid", {how::eltwise_logistic});
+    compare_fused<large, 3, silu>("convolution 3 × 3, SiLU", {how::eltwise_swish, 1});
+    compare_fused<large, 3, elu<>>("convolution 3 × 3, ELU", {how::eltwise_elu, 1});
+    compare_fused<large, 3, gelu>("convolution 3 × 3, GELU", {how::eltwise_gelu_erf});
+    compare_fused<small, 1, relu>("convolution 1 × 1, ReLU", {how::eltwise_relu});
+    compare_fused<small, 1, hard_swish>("convolution 1 × 1, hard swish", {how::eltwise_hardswish});
+    compare_fused<small, 1, silu>("convolution 1 × 1, SiLU", {how::eltwise_swish, 1});
+    compare_fused<small, 1, gelu>("convolution 1 × 1, GELU", {how::eltwise_gelu_erf});
 }
 void compare_norms_and_gates() {
     constexpr auto number = [](std::size_t n) { return static_cast<dnnl::memory::dim>(n); };
@@ -361,7 +384,7 @@ void compare_norms_and_gates() {
         "gate: global average pool, sigmoid, product", [](floats& chain, const auto&) {
             chain.pool(sliding_window::over(small, {small.rows, small.columns}, 1, padding::valid),
                        how::pooling_avg_exclude_padding);
-            chain.eltwise(how::eltwise_logistic);
+            chain.eltwise({how::eltwise_logistic});
             chain.multiply_input();
         });
 }
@@ -396,6 +419,7 @@ int main(int count, char** arguments) {
                 "|---|---|---|---|---|---|---|\n");
     compare_pools_and_sizes();
     compare_activations();
+    compare_fused_activations();
     compare_norms_and_gates();
     compare_convolutions();
     return all_agree ? EXIT_SUCCESS : EXIT_FAILURE;

@@ -48,12 +48,17 @@ public:
         stream_.wait();
     }
 
+    /// A function of each element.
+    struct function {
+        dnnl::algorithm kind = dnnl::algorithm::undef;
+        float alpha = 0, beta = 0;
+    };
     struct geometry {
         tactnet::sliding_window window; ///< with the padding of the dilated kernel
         std::size_t filters, groups = 1;
         tactnet::extent2d dilation = 1;
-        bool relu = false;
-        float factor = 1; ///< of sums in bytes
+        function after = {}; ///< the convolution's post-op
+        float factor = 1;    ///< of sums in bytes
     };
     void convolution(const geometry& g, std::span<const weight> weights, std::span<const bias> biases) {
         const auto& w = g.window;
@@ -71,8 +76,8 @@ public:
         if (g.groups > 1)
             kernel.insert(kernel.begin(), number(g.groups));
         dnnl::post_ops after;
-        if (g.relu)
-            after.append_eltwise(1.0f, dnnl::algorithm::eltwise_relu, 0.0f, 0.0f);
+        if (g.after.kind != dnnl::algorithm::undef)
+            after.append_eltwise(1.0f, g.after.kind, g.after.alpha, g.after.beta);
         dnnl::primitive_attr attributes;
         attributes.set_post_ops(after);
         if (bytes)
@@ -119,9 +124,9 @@ public:
         const dnnl::resampling_forward::primitive_desc chosen(description, engine_);
         append(dnnl::resampling_forward(chosen), chosen.dst_desc(), to);
     }
-    void eltwise(dnnl::algorithm how, float alpha = 0, float beta = 0) {
-        const dnnl::eltwise_forward::desc description(dnnl::prop_kind::forward_inference, how,
-                                                      map_.get_desc(), alpha, beta);
+    void eltwise(const function& f) {
+        const dnnl::eltwise_forward::desc description(dnnl::prop_kind::forward_inference, f.kind,
+                                                      map_.get_desc(), f.alpha, f.beta);
         const dnnl::eltwise_forward::primitive_desc chosen(description, engine_);
         append(dnnl::eltwise_forward(chosen), chosen.dst_desc(), size_);
     }

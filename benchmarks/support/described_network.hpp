@@ -69,6 +69,8 @@ private:
     std::size_t add(tactnet::convolution_step<tactnet::single_precision, C>, const float* folded,
                     std::size_t from) {
         static_assert(C.groups == 1, "described_network: convolutions in groups are not described");
+        static_assert(C.activation == nullptr || C.rectifies(),
+                      "described_network: of activation functions only ReLU is described");
         using step = tactnet::convolution_step<tactnet::single_precision, C>;
         const tactnet::shape full{C.window.output_rows(), C.window.output_columns(), C.filters};
         const std::size_t to = C.accumulates ? other_term_ : new_map(full);
@@ -78,7 +80,7 @@ private:
                                .window = C.window,
                                .from = C.window.input,
                                .to = full,
-                               .relu = C.relu,
+                               .relu = C.rectifies(),
                                .accumulates = C.accumulates,
                                .weights = {folded, folded + step::weights},
                                .bias = {folded + step::weights, folded + step::folded_elements}});

@@ -167,7 +167,7 @@ TEST_CASE("convolve_tiles: pools, sums and ReLU") {
         const std::size_t outputs = kernels::tile_plan(c).outputs;
         CHECK(outputs > 0);
         compare_large(c, outputs, 3);
-        c.relu = true;
+        c.activation = fused<relu_function>;
         compare_large(c, outputs, 4);
     }
 }
@@ -188,6 +188,11 @@ TEST_CASE("panel_method: applicable from 40 000 elements of both maps on, or 256
     CHECK(panel_method<dense_step({4, 4, 512}, 3, 512)>::applicable);
     CHECK_FALSE(panel_method<dense_step({10, 18, 64}, 2, 128)>::applicable);
     CHECK_FALSE(panel_method<dense_step({6, 12, 128}, 3, 128)>::applicable);
+    // Tiles of few channels and filters are left to the Winograd kernel of a frame.
+    CHECK_FALSE(panel_method<dense_step({28, 50, 32}, 3, 32)>::applicable);
+    CHECK(panel_method<dense_step({28, 50, 32}, 3, 64)>::applicable);
+    CHECK(panel_method<dense_step({28, 50, 64}, 3, 32)>::applicable);
+    CHECK(panel_method<dense_step({28, 50, 32}, 5, 32)>::applicable);
     // Not for filters that do not fill a vector, whatever the map.
     if constexpr (kernels::lanes < float >> kernels::min_lanes<float>)
         CHECK_FALSE(panel_method<dense_step({200, 200, 3}, 3, kernels::min_lanes<float>)>::applicable);

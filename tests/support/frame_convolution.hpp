@@ -4,6 +4,7 @@
 // untouched.
 
 #include <tactnet/kernels/frame_convolution.hpp>
+#include <tactnet/layers/activations/activation_function.hpp>
 
 #include <doctest/doctest.h>
 
@@ -28,19 +29,19 @@ constexpr tactnet::kernels::frame_convolution step(tactnet::shape in, tactnet::e
             .input_stride = input_stride};
 }
 constexpr tactnet::kernels::frame_convolution with_relu(tactnet::kernels::frame_convolution c) {
-    c.relu = true;
+    c.activation = tactnet::fused<tactnet::relu_function>;
     return c;
 }
 constexpr tactnet::kernels::frame_convolution adding(tactnet::kernels::frame_convolution c,
                                                      bool relu = false) {
-    c.accumulates = true, c.relu = relu;
+    c.accumulates = true, c.activation = relu ? tactnet::fused<tactnet::relu_function> : nullptr;
     return c;
 }
 /// Behind it a max pool of windows side by side; `whole` leaves out windows that the image does not fill.
 constexpr tactnet::kernels::frame_convolution pooled(tactnet::kernels::frame_convolution c,
                                                      tactnet::extent2d pool, bool whole = false) {
     const std::size_t rows = c.window.output_rows(), columns = c.window.output_columns();
-    c.pool = pool, c.relu = true;
+    c.pool = pool, c.activation = tactnet::fused<tactnet::relu_function>;
     c.pooled_rows = whole ? rows / pool.rows : (rows + pool.rows - 1) / pool.rows;
     c.pooled_columns = whole ? columns / pool.columns : (columns + pool.columns - 1) / pool.columns;
     return c;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/fused_activation.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/tensor/shape.hpp>
 
@@ -15,14 +16,15 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
-/// A convolution and its epilogue: a sum with another map or a max pool of windows side by side, then ReLU.
+/// A convolution and its epilogue: a sum with another map or a max pool of windows side by side, then an
+/// activation function.
 struct frame_convolution {
     sliding_window window;
     std::size_t filters;
     std::size_t input_stride; ///< elements from one pixel of the input to the next
     extent2d pool = 1;        ///< window and stride of the max pool, without padding before the image
     std::size_t pooled_rows = 0, pooled_columns = 0; ///< of the output, if the pool cuts or completes windows
-    bool relu = false;                               ///< whether a ReLU follows
+    const fused_activation* activation = nullptr;    ///< the function that follows, if any
     bool accumulates = false;                        ///< whether it accumulates into the output map
     std::size_t groups = 1;     ///< filters of a group see the channels of that group only
     std::size_t map_stride = 0; ///< elements from one pixel to the next of a wider map that holds the output
@@ -44,6 +46,8 @@ struct frame_convolution {
     [[nodiscard]] constexpr std::size_t output_stride() const {
         return map_stride > 0 ? map_stride : padded_filters();
     }
+    /// Whether the activation function is a ReLU.
+    [[nodiscard]] constexpr bool rectifies() const { return activation != nullptr && activation->rectifies; }
     /// Multiply-adds of one output.
     [[nodiscard]] constexpr std::size_t taps() const {
         return window.input.channels / groups * window.kernel.area();
@@ -156,6 +160,28 @@ template <frame_convolution C, class Weight>
             return decltype(weight(filter, channel, row, column)){};
         return weight(filter, channel - first, row, column);
     };
+}
+
+/// The activation function of a convolution, if registers hold it, applied to a vector of its outputs.
+template <frame_convolution C, class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector activated(const Vector& x) {
+    if constexpr (C.activation == nullptr || !C.activation->in_registers) {
+        return x;
+    } else if constexpr (C.activation->rectifies) {
+        return maximum_or_second(Vector(0.0f), x);
+    } else {
+        constexpr auto function = C.activation->template of<Vector>();
+        return function(x);
+    }
+}
+
+/// Any other activation function, applied to `rows` × `columns` stored outputs, of so many filters.
+template <frame_convolution C>
+[[gnu::always_inline]] inline void activate_outputs(float* output, std::size_t rows, std::size_t columns,
+                                                    std::size_t filters = C.padded_filters()) {
+    if constexpr (C.activation != nullptr && !C.activation->in_registers)
+        activate_stored<C.activation, C.width()>(
+            {output, rows, C.output_columns() * C.output_stride(), columns, C.output_stride(), filters});
 }
 
 /// What methods have unless they say otherwise. Costs are counted in twentieths of a multiply-add of a

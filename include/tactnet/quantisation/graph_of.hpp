@@ -101,13 +101,14 @@ private:
         // All members are named, so that a new one does not compile before it is copied or left out here.
         // Maps of the graph have no gaps, so strides are left out; the map after a pool has the size of the
         // pool.
-        const auto& [window, filters, input_stride, pool, pooled_rows, pooled_columns, relu, accumulates,
-                     groups, map_stride, map_offset, map_offset_multiple, input_offset_multiple] = kernel;
+        const auto& [window, filters, input_stride, pool, pooled_rows, pooled_columns, activation,
+                     accumulates, groups, map_stride, map_offset, map_offset_multiple,
+                     input_offset_multiple] = kernel;
         return add_parameters<Step>({.window = window,
                                      .groups = groups,
                                      .filters = filters,
                                      .pool = pool,
-                                     .relu = relu,
+                                     .relu = activation != nullptr, // the step allows no other function
                                      .accumulates = accumulates,
                                      .input = input,
                                      .first = map_offset},

@@ -41,14 +41,15 @@ using mixed_network = tactnet::network<
     tactnet::gelu, tactnet::sigmoid, tactnet::hyperbolic_tangent, tactnet::elu<>, tactnet::softplus,
     tactnet::average_pool<2, 1>, tactnet::adaptive_max_pool<tactnet::extent2d{3, 2}>, tactnet::upsample<2>,
     tactnet::upsample_to<tactnet::extent2d{2, 3}, tactnet::interpolation::bilinear>,
-    tactnet::transposed_conv2d<2, 3, 2>, tactnet::dilated_conv2d<5, 3>, tactnet::relu, tactnet::dense<3>,
-    tactnet::softmax>;
+    tactnet::transposed_conv2d<2, 3, 2>, tactnet::elu<300>, tactnet::dilated_conv2d<5, 3>, tactnet::gelu,
+    tactnet::dense<3>, tactnet::softmax>;
 
-/// More memory than a stack should hold, and a step that is not among those of deployment/.
+/// More memory than a stack should hold, a step that is not among those of deployment/, and a function that
+/// only a convolution needs.
 using large_network =
     tactnet::network<tactnet::shape{6, 5}, tactnet::as_photograph<tactnet::extent2d(300, 310)>,
-                     tactnet::conv2d<3, 5, 4, tactnet::padding::valid>, tactnet::relu, tactnet::max_pool<8>,
-                     tactnet::dense<2>>;
+                     tactnet::conv2d<3, 5, 4, tactnet::padding::valid>, tactnet::leaky_relu<200>,
+                     tactnet::max_pool<8>, tactnet::dense<2>>;
 
 /// As a sensor may count: most of it untouched.
 template <class Network>

@@ -122,18 +122,21 @@ TEST_CASE("convolution_step: two outputs side by side in one wider map, without 
     constexpr shape input{6, 5, 16};
     constexpr std::size_t stride = 64;
     // The expand layers of a fire module (Iandola et al., 2016): 1 × 1 and 3 × 3 over the same input.
-    constexpr frame_convolution narrow{
-        .window = over(input, 1), .filters = 32, .input_stride = 16, .relu = true, .map_stride = stride};
+    constexpr frame_convolution narrow{.window = over(input, 1),
+                                       .filters = 32,
+                                       .input_stride = 16,
+                                       .activation = fused<relu_function>,
+                                       .map_stride = stride};
     constexpr frame_convolution wide{.window = over(input, 3),
                                      .filters = 32,
                                      .input_stride = 16,
-                                     .relu = true,
+                                     .activation = fused<relu_function>,
                                      .map_stride = stride,
                                      .map_offset = 32};
     constexpr frame_convolution narrow_alone{
-        .window = over(input, 1), .filters = 32, .input_stride = 16, .relu = true};
+        .window = over(input, 1), .filters = 32, .input_stride = 16, .activation = fused<relu_function>};
     constexpr frame_convolution wide_alone{
-        .window = over(input, 3), .filters = 32, .input_stride = 16, .relu = true};
+        .window = over(input, 3), .filters = 32, .input_stride = 16, .activation = fused<relu_function>};
     support::convolution_numbers one(narrow, 1, 11), three(wide, 1, 12); // the same input for both
     support::guarded_map both(input.area() * stride, 555, -1.0f);
     support::guarded_map first(input.area() * step_of<narrow_alone>::output_stride, 555, -1.0f),

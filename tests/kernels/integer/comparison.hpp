@@ -3,6 +3,7 @@
 // Methods of convolution in integers against plain loops in 64 bits.
 
 #include <tactnet/kernels/integer/methods.hpp>
+#include <tactnet/layers/activations/activation_function.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
@@ -61,7 +62,7 @@ struct given {
             factors[f] = static_cast<float>((0.2 + below(100) * 0.01) * (extreme ? 0.1 : 200) / reach);
         }
         zero = extreme ? 128 : below(256);
-        lowest = C.relu ? zero : 0;
+        lowest = C.rectifies() ? zero : 0;
         other.resize(C.output_rows() * C.output_columns() * C.output_stride());
         for (std::uint8_t& o : other)
             o = static_cast<std::uint8_t>(below(256));
@@ -119,7 +120,7 @@ std::size_t outputs_differing(const given<C, Input>& numbers, const Run& run, st
                 numbers.factors[f];
             const Output found = map[pixel * stride + C.map_offset + f];
             if constexpr (std::is_same_v<Output, float>) {
-                const float expected = C.relu && product < 0 ? 0.0f : product;
+                const float expected = C.rectifies() && product < 0 ? 0.0f : product;
                 wrong += std::memcmp(&found, &expected, sizeof(float)) != 0;
             } else {
                 const double nearest = std::nearbyint(static_cast<double>(product));
@@ -195,11 +196,12 @@ constexpr frame_convolution of(shape input, std::size_t filters, extent2d kernel
 /// With a max pool and a ReLU after it.
 constexpr frame_convolution pooled(frame_convolution c, extent2d pool, std::size_t rows, std::size_t columns,
                                    bool relu = true) {
-    c.pool = pool, c.pooled_rows = rows, c.pooled_columns = columns, c.relu = relu;
+    c.pool = pool, c.pooled_rows = rows, c.pooled_columns = columns;
+    c.activation = relu ? fused<relu_function> : nullptr;
     return c;
 }
 constexpr frame_convolution adding(frame_convolution c, bool relu = false) {
-    c.accumulates = true, c.relu = relu;
+    c.accumulates = true, c.activation = relu ? fused<relu_function> : nullptr;
     return c;
 }
 constexpr frame_convolution grouped(frame_convolution c, std::size_t groups) {

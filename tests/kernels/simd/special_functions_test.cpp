@@ -1,5 +1,6 @@
 #include <tactnet/kernels/simd/exponential.hpp>
 #include <tactnet/kernels/simd/special_functions.hpp>
+#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <doctest/doctest.h>
@@ -9,8 +10,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <string>
+#include <tuple>
 
 using namespace tactnet;
 using namespace tactnet::kernels;
@@ -115,16 +118,23 @@ TEST_CASE("special_functions: within their units in the last place, one in 997 f
     const auto tangent = [](const vector<float>& x) { return hyperbolic_tangent(x); };
     const auto exact_tangent = [](double x) { return std::tanh(x); };
     const double errors[] = {
-        worst_error(0, 20, tangent, exact_tangent), worst_error(-0.0F, -20, tangent, exact_tangent),
+        worst_error(0, 20, tangent, exact_tangent),
+        worst_error(-0.0F, -20, tangent, exact_tangent),
         worst_error(
             0, 1, [](const vector<float>& x) { return log_one_plus(x); },
             [](double x) { return std::log1p(x); }),
+        worst_error(
+            -0.0F, -87, [](const vector<float>& x) { return exponential_of_negative(x); },
+            [](double x) { return std::exp(x); }),
+        worst_error(
+            -0.0F, -87, [](const vector<float>& x) { return exponential_minus_one(x); },
+            [](double x) { return std::expm1(x); }),
         worst_error(
             0, 13, [](const vector<float>& x) { return normal_tail(x); }, exact_tail),
         worst_error(
             0, 13, [](const vector<float>& x) { return normal_density(x); },
             [](double x) { return std::exp(-x * x / 2) / std::sqrt(2 * std::acos(-1.0)); })};
-    const double bounds[] = {2, 2, 2, 8, 4};
+    const double bounds[] = {2, 2, 2, 1.5, 2, 8, 4};
     for (std::size_t f = 0; f < std::size(bounds); ++f) {
         MESSAGE(f << ": " << errors[f] << " ulp");
         CHECK(errors[f] <= bounds[f]);
@@ -163,4 +173,37 @@ TEST_CASE("special_functions: constexpr, with the limits at the ends, NaN stays 
     x.fill(large);
     store(y.data(), kernels::normal_tail(load(x.data())));
     CHECK(y[0] == 0);
+}
+
+TEST_CASE("special_functions: the same bits in vectors of every width, the limits beyond the range") {
+    const auto of_width = [](auto width, const auto& function, const float* from, float* to) {
+        using wide = sized_vector<float, width>;
+        for (std::size_t i = 0; i < 16; i += width)
+            store_as(to + i, function(load_as<wide>(from + i)));
+    };
+    const auto functions = std::tuple{[](const auto& x) { return exponential_of_negative(x); },
+                                      [](const auto& x) { return exponential_minus_one(x); },
+                                      [](const auto& x) { return hyperbolic_tangent(x); },
+                                      [](const auto& x) { return normal_tail(magnitude(x)); }};
+    constexpr float infinity = std::numeric_limits<float>::infinity();
+    alignas(vector_alignment) const std::array<float, 16> x{-0.0F, -1e-30F, -0.3F,     -1,  -2.5F,  -7,
+                                                            -13,   -13.26F, -30,       -87, -87.6F, -88,
+                                                            -1e9F, -1e38F,  -infinity, NAN};
+    std::apply(
+        [&](const auto&... function) {
+            const auto check = [&](const auto& f) {
+                alignas(vector_alignment) std::array<float, 16> widest, narrow;
+                of_width(constant<lanes<float>>{}, f, x.data(), widest.data());
+                of_width(constant<min_lanes<float>>{}, f, x.data(), narrow.data());
+                CHECK(std::memcmp(widest.data(), narrow.data(), sizeof(widest)) == 0);
+                CHECK(std::isnan(widest[15]));
+                return widest[14];
+            };
+            const std::array limits{check(function)...};
+            CHECK(limits[0] == 0);
+            CHECK(limits[1] == -1);
+            CHECK(limits[2] == -1);
+            CHECK(limits[3] == 0);
+        },
+        functions);
 }

@@ -65,13 +65,15 @@ double worst_error(float end) {
 } // namespace
 
 TEST_CASE("activations: within their units in the last place") {
-    CHECK(worst_error<sigmoid_function>(80) <= 4);
-    CHECK(worst_error<silu_function>(80) <= 5);
+    CHECK(worst_error<sigmoid_function>(80) <= 3);
+    CHECK(worst_error<silu_function>(80) <= 3);
+    CHECK(worst_error<hard_sigmoid_function>(80) <= 2);
+    CHECK(worst_error<hard_swish_function>(80) <= 3);
     CHECK(worst_error<hyperbolic_tangent_function>(80) <= 2);
     CHECK(worst_error<elu_function<1000>>(80) <= 2);
     CHECK(worst_error<elu_function<300>>(80) <= 3);
-    CHECK(worst_error<softplus_function>(80) <= 4);
-    CHECK(worst_error<gelu_function>(12) <= 10);
+    CHECK(worst_error<softplus_function>(80) <= 3);
+    CHECK(worst_error<gelu_function>(12) <= 8);
     static_assert(sigmoid_function::value(0.0) == 0.5 && gelu_function::value(0.0) == 0,
                   "tables of networks in 8 bits are made while compiling");
 }

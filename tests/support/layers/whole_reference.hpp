@@ -189,10 +189,12 @@ whole_map reference_convolution(const float* folded, const whole_map& in, const 
         const auto factor = static_cast<float>(WritesBytes ? filter.unit / output.scale : filter.unit);
         for (std::size_t o = 0; o < largest.size(); ++o)
             if (WritesBytes)
-                result.whole[o * C.filters + f] = reference_byte(largest[o], factor, output.zero, C.relu);
+                result.whole[o * C.filters + f] =
+                    reference_byte(largest[o], factor, output.zero, C.rectifies());
             else
                 result.floats[o * C.filters + f] =
-                    static_cast<float>(C.relu ? std::max<std::int64_t>(largest[o], 0) : largest[o]) * factor;
+                    static_cast<float>(C.rectifies() ? std::max<std::int64_t>(largest[o], 0) : largest[o]) *
+                    factor;
     }
     return result;
 }

@@ -42,7 +42,7 @@ sample pooled_and_rectified(const Convolution& c, sample sums) {
         sums = bounded_max_pool(pool_window({sums.size() / (rows * columns), rows, columns}, c.pool,
                                             c.output_rows(), c.output_columns()),
                                 sums);
-    return c.relu ? bounded_relu(std::move(sums)) : sums;
+    return c.rectifies() ? bounded_relu(std::move(sums)) : sums;
 }
 
 } // namespace support

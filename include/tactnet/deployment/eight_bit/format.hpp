@@ -26,6 +26,7 @@ struct eight_bit_between {
     using hidden_format = eight_bit_between<std::uint8_t, std::uint8_t>;
     using output_format = eight_bit_between<Input, float>;
     static constexpr bool has_output_format = true;
+    static constexpr bool fuses_functions = false; ///< they are tables of bytes
     /// Declares the steps in this format, for exported headers.
     static constexpr const char* steps_header = "tactnet/deployment/eight_bit/steps.hpp";
 };

@@ -70,14 +70,26 @@ namespace detail {
     return "tactnet::average_windows{.rows = " + axis(rows) + ", .columns = " + axis(columns) +
            ", .counts_padding = " + text_of(counts_padding) + "}";
 }
+/// A type with its unsigned template arguments.
+[[nodiscard]] inline std::string type_text(const char* type, const unsigned* arguments, std::size_t count) {
+    std::string text = type;
+    for (std::size_t i = 0; i < count; ++i)
+        text += (i == 0 ? "<" : ", ") + std::to_string(arguments[i]);
+    return count == 0 ? text : text + ">";
+}
+[[nodiscard]] inline std::string text_of(const kernels::fused_activation& f) {
+    return "tactnet::fused<" + type_text(f.type, f.arguments, f.argument_count) + ">";
+}
 [[nodiscard]] inline std::string text_of(const kernels::frame_convolution& c, const std::string& stride) {
     // The stride of the input is the exported one, and the last two concern a group of several alone.
-    const auto& [window, filters, input_stride, pool, pooled_rows, pooled_columns, relu, accumulates, groups,
-                 map_stride, map_offset, map_offset_multiple, input_offset_multiple] = c;
+    const auto& [window, filters, input_stride, pool, pooled_rows, pooled_columns, activation, accumulates,
+                 groups, map_stride, map_offset, map_offset_multiple, input_offset_multiple] = c;
     std::string text = "tactnet::kernels::frame_convolution{\n    .window = " + text_of(window) +
                        ",\n    .filters = " + std::to_string(filters) + ", .input_stride = " + stride +
                        ", .pool = " + list_of(pool) + ", .pooled_rows = " + std::to_string(pooled_rows) +
-                       ", .pooled_columns = " + std::to_string(pooled_columns) + ", .relu = " + text_of(relu);
+                       ", .pooled_columns = " + std::to_string(pooled_columns);
+    if (activation != nullptr)
+        text += ", .activation = " + text_of(*activation);
     if (accumulates)
         text += ", .accumulates = true";
     if (groups > 1)
@@ -124,14 +136,10 @@ template <std::size_t Size, class Alpha, class Beta, class K>
 
 template <activation_function Function>
 [[nodiscard]] std::string text_of(std::type_identity<Function>) {
-    std::string text = Function::type;
-    if constexpr (requires { Function::arguments; }) {
-        const char* before = "<";
-        for (const unsigned argument : Function::arguments)
-            text += before + std::to_string(argument), before = ", ";
-        text += ">";
-    }
-    return text;
+    if constexpr (requires { Function::arguments; })
+        return type_text(Function::type, Function::arguments.data(), Function::arguments.size());
+    else
+        return Function::type;
 }
 
 // Details of an argument for the title of its step, for people.
@@ -157,8 +165,8 @@ template <activation_function Function>
         what += " in " + std::to_string(c.groups) + " groups";
     if (c.pool != extent2d(1))
         what += ", max pool " + size_of(c.pool);
-    if (c.relu)
-        what += ", ReLU";
+    if (c.activation != nullptr)
+        what += std::string(", ") + c.activation->title;
     return what;
 }
 
@@ -231,6 +239,8 @@ private:
         }
         [[gnu::cold, gnu::noinline]] void append(const kernels::frame_convolution& c) {
             title += detail::details_of(c);
+            if (c.activation != nullptr)
+                all.include(c.activation->header);
             append_text(detail::text_of(c, stride));
         }
         [[gnu::cold, gnu::noinline]] void append(const kernels::frame_dense& d) {

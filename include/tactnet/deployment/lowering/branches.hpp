@@ -33,26 +33,26 @@ struct lowered_branch<Sequence, Stride, Offset> {
 
 /// The main branch of a residual block whose last step adds the skip. A branch that cannot is rejected here
 /// and used unchanged, so that no further error follows.
-template <class Main, bool Rectified>
+template <class Main, const kernels::fused_activation* Activation>
 auto adding_main() {
     static_assert(Main::can_add,
                   "deploy: the main branch of a residual block must end in a convolution, with or "
                   "without batch norm");
     if constexpr (Main::can_add)
-        return std::type_identity<typename Main::template adding<Rectified>>{};
+        return std::type_identity<typename Main::template adding<Activation>>{};
     else
         return std::type_identity<typename Main::type>{};
 }
 
 } // namespace detail
 
-/// Both branches of a residual block, with the ReLU after the sum.
-template <class Place, class Main, class Skip, bool Rectified = false>
+/// Both branches of a residual block, with the activation function after the sum.
+template <class Place, class Main, class Skip, const kernels::fused_activation* Activation = nullptr>
 struct lowered_residual {
     using layer = typename Place::layer;
     using lowered_main = lowered_sequence<typename Place::format, as_sequence<Main>, typename layer::main,
                                           Place::input_stride>;
-    using main = typename decltype(detail::adding_main<lowered_main, Rectified>())::type;
+    using main = typename decltype(detail::adding_main<lowered_main, Activation>())::type;
     using skip = detail::lowered_alone<lowered_sequence<typename Place::format, as_sequence<Skip>,
                                                         typename layer::skip, Place::input_stride>>;
     static_assert(
@@ -70,7 +70,11 @@ struct lowered_residual {
     }
     template <class Spec, class>
     static constexpr auto fuse() {
-        return fuse_relu<Spec, lowered_residual<Place, Main, Skip, true>>();
+        if constexpr (Activation == nullptr &&
+                      activates<Spec, typename Place::format, layer::output.channels>)
+            return std::type_identity<lowered_residual<Place, Main, Skip, lowering<Spec>::activation>>{};
+        else
+            return not_fused{};
     }
 };
 

@@ -20,7 +20,8 @@ struct no_norm {
 struct convolution_epilogue {
     extent2d pool = 1; ///< window and stride of a max pool
     std::size_t pooled_rows = 0, pooled_columns = 0;
-    bool relu = false, accumulates = false;
+    const kernels::fused_activation* activation = nullptr;
+    bool accumulates = false;
     std::size_t map_stride = 0, map_offset = 0; ///< of a wider map with a slice for the output
 
     [[nodiscard]] constexpr bool pooled() const { return pooled_rows > 0; }
@@ -30,10 +31,14 @@ struct convolution_epilogue {
         more.pooled_rows = window.output_rows(), more.pooled_columns = window.output_columns();
         return more;
     }
-    [[nodiscard]] constexpr convolution_epilogue with_relu() const {
+    [[nodiscard]] constexpr convolution_epilogue with(const kernels::fused_activation* function) const {
         convolution_epilogue more = *this;
-        more.relu = true;
+        more.activation = function;
         return more;
+    }
+    /// Whether a max pool may follow: computed before the function, it must give the same.
+    [[nodiscard]] constexpr bool takes_pool() const {
+        return !pooled() && (activation == nullptr || activation->monotonic);
     }
     [[nodiscard]] constexpr convolution_epilogue in_slice(std::size_t stride, std::size_t offset) const {
         convolution_epilogue more = *this;
@@ -42,7 +47,8 @@ struct convolution_epilogue {
     }
 };
 
-/// A convolution with the batch norm, the max pool and the ReLU after it. `Norm` has the norm's constants.
+/// A convolution with the batch norm, the max pool and the activation function after it. `Norm` has the
+/// norm's constants.
 template <class Place, class Norm = no_norm, convolution_epilogue Epilogue = convolution_epilogue{}>
 struct lowered_convolution {
     using layer = typename Place::layer;
@@ -52,7 +58,7 @@ struct lowered_convolution {
                                                        .pool = Epilogue.pool,
                                                        .pooled_rows = Epilogue.pooled_rows,
                                                        .pooled_columns = Epilogue.pooled_columns,
-                                                       .relu = Epilogue.relu,
+                                                       .activation = Epilogue.activation,
                                                        .accumulates = Epilogue.accumulates,
                                                        .groups = layer::groups,
                                                        .map_stride = Epilogue.map_stride,
@@ -72,27 +78,36 @@ struct lowered_convolution {
     template <class Spec, class NextPlace>
     static constexpr auto fuse() {
         if constexpr (scales_channels<Spec, NextPlace>) {
-            if constexpr (std::is_same_v<Norm, no_norm> && !Epilogue.pooled() && !Epilogue.relu)
+            if constexpr (std::is_same_v<Norm, no_norm> && !Epilogue.pooled() &&
+                          Epilogue.activation == nullptr)
                 return std::type_identity<
                     lowered_convolution<Place, channel_constants<Spec, NextPlace>, Epilogue>>{};
             else
                 return not_fused{};
         } else if constexpr (takes_maximum<Spec, NextPlace>) {
             constexpr sliding_window pool = lowering<Spec>::template maximum<NextPlace>;
-            if constexpr (!Epilogue.pooled() && fusible(pool))
+            if constexpr (Epilogue.takes_pool() && fusible(pool))
                 return std::type_identity<lowered_convolution<Place, Norm, Epilogue.with_pool(pool)>>{};
             else
                 return not_fused{};
+        } else if constexpr (activates<Spec, typename Place::format, layer::output.channels>) {
+            // A ReLU changes nothing after another one.
+            constexpr const kernels::fused_activation* next = lowering<Spec>::activation;
+            if constexpr (Epilogue.activation == nullptr ||
+                          (Epilogue.activation->rectifies && next->rectifies))
+                return std::type_identity<lowered_convolution<Place, Norm, Epilogue.with(next)>>{};
+            else
+                return not_fused{};
         } else {
-            return fuse_relu<Spec, lowered_convolution<Place, Norm, Epilogue.with_relu()>>();
+            return not_fused{};
         }
     }
 
     /// The last convolution of a residual block's main branch: the sum comes before everything else.
-    template <bool Rectified>
-        requires(!Epilogue.pooled() && !Epilogue.relu)
+    template <const kernels::fused_activation* Activation>
+        requires(!Epilogue.pooled() && Epilogue.activation == nullptr)
     using adding =
-        lowered_convolution<Place, Norm, convolution_epilogue{.relu = Rectified, .accumulates = true}>;
+        lowered_convolution<Place, Norm, convolution_epilogue{.activation = Activation, .accumulates = true}>;
 
     using as_output = lowered_convolution<typename Place::as_output, Norm, Epilogue>;
 

@@ -78,12 +78,20 @@ struct lowering<batch_norm> {
     using at = lowered_norm<Place>;
 };
 
+/// The lowering of activation functions.
 template <class Function>
-struct lowering<activation<Function>> {
+struct lowered_function {
     static constexpr bool rectifies = detail::is_relu<Function>();
     template <class Place>
     using at = lowered_to<
         activation_step<typename Place::format, Function, Place::layer::output, Place::input_stride>>;
+};
+template <class Function>
+struct lowering<activation<Function>> : lowered_function<Function> {};
+template <class Function>
+    requires fusible_activation<Function>
+struct lowering<activation<Function>> : lowered_function<Function> {
+    static constexpr const kernels::fused_activation* activation = fused<Function>;
 };
 
 /// A parametric ReLU: its slopes.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/steps/step.hpp>
+#include <tactnet/kernels/fused_activation.hpp>
 #include <tactnet/layers/layer.hpp>
 
 #include <concepts>
@@ -25,11 +26,12 @@
 // lowered layer that includes the next one, or not_fused. For that, a layer describes itself in terms that
 // every lowered layer may understand:
 //   rectifies = true      max(x, 0)
+//   activation            a kernels::fused_activation: a function of each element
 //   channels<Place>       x · factor(channel) + offset: a batch norm; constructible from a parameter_source
 //   maximum<Place>        the sliding_window whose maximum it takes
 // A lowered layer may have further members:
-//   adding<Rectified>              adds its output to what the output holds, with a ReLU after the sum or
-//                                  without: the end of a residual block's main branch
+//   adding<Activation>             adds its output to what the output holds, with an activation function
+//                                  after the sum or nullptr: the end of a residual block's main branch
 //   fits_slice<Stride, Offset>     whether it can write a slice of the channels of a wider map
 //   slice<Stride, Offset>          the lowered layer that does
 //   as_output                      the lowered layer that writes the outputs of the network, in formats that
@@ -90,6 +92,15 @@ concept inference_no_op = requires {
 template <class Spec>
 concept rectifies = requires {
     requires lowering<Spec>::rectifies;
+};
+/// An activation function that a convolution of this number format, with so many filters, may compute in its
+/// epilogue. If the function moves zero, filters must fill the vectors of every instruction set: the steps of
+/// a network must not depend on it.
+template <class Spec, class Format, std::size_t Filters>
+concept activates = requires {
+    { lowering<Spec>::activation } -> std::convertible_to<const kernels::fused_activation*>;
+    requires lowering<Spec>::activation->rectifies ||
+        (Format::fuses_functions && (!lowering<Spec>::activation->moves_zero || Filters % 16 == 0));
 };
 /// The factor and the offset that a layer applies to each channel.
 template <class Spec, class Place>

@@ -52,11 +52,11 @@ struct output_of<true> {
         using type = typename Last::as_output;
     };
 };
-template <bool Rectified>
+template <const kernels::fused_activation* Activation>
 struct adding_of {
     template <class Last>
     struct change {
-        using type = typename Last::template adding<Rectified>;
+        using type = typename Last::template adding<Activation>;
     };
 };
 template <std::size_t Stride, std::size_t Offset>
@@ -74,7 +74,7 @@ struct lowered_layers {
     using type = std::conditional_t<size == 0, void, lowered_chain<Lowered...>>;
     // About the last layer; false for an empty list.
     static constexpr bool can_add = (
-        false, ..., requires { typename Lowered::template adding<false>; });
+        false, ..., requires { typename Lowered::template adding<nullptr>; });
     template <std::size_t Stride, std::size_t Offset>
     static constexpr bool can_write_slice = (false, ..., writes_into_slice<Lowered, Stride, Offset>);
 
@@ -167,8 +167,8 @@ public:
     using ending = typename lowered::template change_last<detail::output_of<IsOutput>::template change>;
     /// Whether the last layer can add to what its output holds: for main branches of residual blocks.
     static constexpr bool can_add = lowered::can_add;
-    template <bool Rectified>
-    using adding = typename lowered::template change_last<detail::adding_of<Rectified>::template change>;
+    template <const kernels::fused_activation* Activation>
+    using adding = typename lowered::template change_last<detail::adding_of<Activation>::template change>;
     /// Whether the last layer can write its channels from `Offset` on of a map with `MapStride` elements a
     /// pixel: for branches of a concatenation.
     template <std::size_t MapStride, std::size_t Offset>

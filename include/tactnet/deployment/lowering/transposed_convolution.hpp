@@ -32,9 +32,9 @@ struct phase_axis {
 
 } // namespace detail
 
-/// A transposed convolution with the batch norm and the ReLU after it: one convolution whose filters are
-/// those of all phases of the stride, then the interleaving of the phases.
-template <class Place, class Norm = no_norm, bool Rectified = false>
+/// A transposed convolution with the batch norm and the activation function after it: one convolution whose
+/// filters are those of all phases of the stride, then the interleaving of the phases.
+template <class Place, class Norm = no_norm, const kernels::fused_activation* Activation = nullptr>
 struct lowered_transposed_convolution {
     using layer = typename Place::layer;
     static constexpr extent2d kernel = layer::window.kernel, stride = layer::window.stride;
@@ -49,7 +49,7 @@ struct lowered_transposed_convolution {
             {layer::input, {down.taps, along.taps}, 1, down.before, down.after, along.before, along.after},
         .filters = stride.area() * layer::output.channels,
         .input_stride = Place::input_stride,
-        .relu = Rectified};
+        .activation = Activation};
     using convolution = convolution_step<typename Place::format, phases>;
     using step = std::conditional_t<
         stride == extent2d(1), convolution,
@@ -87,13 +87,17 @@ struct lowered_transposed_convolution {
     template <class Spec, class NextPlace>
     static constexpr auto fuse() {
         if constexpr (scales_channels<Spec, NextPlace>) {
-            if constexpr (std::is_same_v<Norm, no_norm> && !Rectified)
+            if constexpr (std::is_same_v<Norm, no_norm> && Activation == nullptr)
                 return std::type_identity<
                     lowered_transposed_convolution<Place, channel_constants<Spec, NextPlace>>>{};
             else
                 return not_fused{};
+        } else if constexpr (Activation == nullptr &&
+                             activates<Spec, typename Place::format, layer::output.channels>) {
+            return std::type_identity<
+                lowered_transposed_convolution<Place, Norm, lowering<Spec>::activation>>{};
         } else {
-            return fuse_relu<Spec, lowered_transposed_convolution<Place, Norm, true>>();
+            return not_fused{};
         }
     }
 };

@@ -11,8 +11,8 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// Convolution with its epilogue: batch norm, a sum, max pool, ReLU. The output may be some channels of a
-/// wider map, beginning at Kernel.map_offset.
+/// Convolution with its epilogue: batch norm, a sum, max pool, activation function. The output may be some
+/// channels of a wider map, beginning at Kernel.map_offset.
 template <class Format, kernels::frame_convolution Kernel>
 struct convolution_step;
 template <class Format, kernels::frame_convolution Kernel>
@@ -35,6 +35,9 @@ struct convolution_step<single_precision, Kernel>
         "it takes");
     static_assert(Kernel.map_stride == 0 || Kernel.map_offset + Kernel.filters <= Kernel.map_stride,
                   "convolution_step: the output reaches beyond the pixels of the wider map");
+    static_assert(Kernel.activation == nullptr || !Kernel.activation->moves_zero ||
+                      Kernel.padded_filters() == Kernel.filters,
+                  "convolution_step: a function that is not zero at zero needs filters that fill all lanes");
 
     using method = kernels::convolution_method<Kernel>;
     static constexpr kernels::frame_convolution kernel = Kernel;
@@ -45,6 +48,8 @@ struct convolution_step<single_precision, Kernel>
     static constexpr std::size_t folded_elements = weights + Kernel.filters;
     static constexpr std::size_t packed_elements = method::packed_elements;
     static constexpr std::size_t workspace_elements = method::workspace_elements;
+    static constexpr double largest_output =
+        Kernel.activation != nullptr ? Kernel.activation->largest_value : step_defaults::largest_output;
 
     static constexpr void pack(const float* from, float* to) {
         const auto weight = [&](std::size_t filter, std::size_t channel, std::size_t row,
@@ -55,7 +60,11 @@ struct convolution_step<single_precision, Kernel>
         method::pack(weight, from + weights, to);
     }
     static double output_bound(const float* from, double input) {
-        return detail::largest_sum(from, Kernel.filters, Kernel.taps(), input);
+        const double sum = detail::largest_sum(from, Kernel.filters, Kernel.taps(), input);
+        if constexpr (Kernel.activation != nullptr)
+            return Kernel.activation->output_bound(sum);
+        else
+            return sum;
     }
     static void run(const float* packed_values, const float* in, float* out, float* workspace) noexcept {
         method::run(packed_values, in, out + Kernel.map_offset, workspace);

@@ -60,14 +60,9 @@ struct step_description<activation_step<Format, Function, Map, Stride>> {
 
 template <class Function, shape Map, std::size_t Stride>
 struct activation_step<single_precision, Function, Map, Stride> : step_base<single_precision, Map, Stride> {
-    static constexpr double largest_output = [] {
-        if constexpr (requires { Function::largest_value; })
-            return Function::largest_value;
-        else
-            return step_defaults::largest_output;
-    }();
+    static constexpr double largest_output = detail::largest_value<Function>();
     static double output_bound(const float*, double input) {
-        return std::max({input, std::abs(Function::value(input)), std::abs(Function::value(-input))});
+        return detail::activation_bound<Function>(input);
     }
     static void run(const float*, const float* in, float* out, float*) noexcept {
         if constexpr (detail::takes_vectors<Function>)

@@ -62,7 +62,7 @@ template <average_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step<single_precision, Windows, Channels, Stride>
     : step_base<single_precision, shape{Windows.rows.outputs, Windows.columns.outputs, Channels}, Stride> {
     static void run(const float*, const float* in, float* out, float*) noexcept {
-        kernels::average_frame<Stride>(Windows, in, out);
+        kernels::average_frame<Windows, Stride>(in, out);
     }
 };
 

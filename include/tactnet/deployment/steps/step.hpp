@@ -46,6 +46,7 @@ struct single_precision {
     using hidden_format = single_precision;          ///< format of steps that read the map of another
     using output_format = single_precision;          ///< format of the step that writes the outputs
     static constexpr bool has_output_format = false; ///< whether the last step has a format of its own
+    static constexpr bool fuses_functions = true; ///< whether convolutions fuse other functions than a ReLU
 };
 
 /// Reads a frame into the map of the first step. Specialised for each number format.

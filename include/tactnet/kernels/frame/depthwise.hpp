@@ -93,9 +93,7 @@ template <frame_convolution C, std::size_t Columns, std::size_t MissingLeft, std
                     if (!ends_window)
                         continue;
                 }
-                if constexpr (C.relu)
-                    value = maximum_or_second(wide(0.0f), value);
-                store_as(at(y / C.pool.rows, o), value);
+                store_as(at(y / C.pool.rows, o), activated<C>(value));
             }
         }
     };
@@ -155,6 +153,7 @@ struct depthwise_method : frame_method {
             for (std::size_t f = 0; f < C.padded_filters(); f += C.width())
                 convolve_depthwise_block<one_to_one, columns, left, right>(
                     from + f, packed + f * C.taps(), packed + packed_weights + f, to + f);
+            activate_outputs<one_to_one>(to, C.output_rows(), ceil_div(columns, C.pool.columns));
         });
     }
 

@@ -12,8 +12,8 @@
 
 // Direct convolution of one frame. Maps lie pixel by pixel, the channels of a pixel side by side and padded
 // to whole vectors: a tap multiplies one number of the input, broadcast to all lanes, with vectors of
-// filters. A block of pixels × vectors stays in registers while all taps are added; then max pool and ReLU
-// are applied to the block, so that only pooled values are stored.
+// filters. A block of pixels × vectors stays in registers while all taps are added; then max pool and
+// activation function are applied to the block, so that only pooled values are stored.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
@@ -100,12 +100,10 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
             for (std::size_t i = 1; i < high * across; ++i)
                 largest =
                     maximum_or_second(sums[(top + i / across) * Columns + left + i % across][v], largest);
-            if constexpr (C.relu)
-                largest = maximum_or_second(wide(0.0f), largest);
             store_as(output +
                          (o / pooled_columns * C.output_columns() + o % pooled_columns) * C.output_stride() +
                          v * width,
-                     largest);
+                     activated<C>(largest));
         }
     }
 }
@@ -175,6 +173,7 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows>
         convolve_block<C, Vectors, Rows, columns, left, right>(
             input, weights, bias, to + b * blocks::size / C.pool.columns * C.output_stride(), at(b));
     });
+    activate_outputs<C>(to, ceil_div(Rows, C.pool.rows), C.output_columns(), Vectors * C.width());
 }
 
 /// Taps one by one. Possible for every convolution that is not grouped.

@@ -106,7 +106,10 @@ convolve_packed_block(const std::array<const float*, packed_pixels<C>::footprint
         }
     }
 
-    // Pools take rows first, as whole vectors, then the pixels of these.
+    // Pools take rows first, as whole vectors, then the pixels of these. A monotonic function comes between:
+    // its vectors are wider there.
+    constexpr bool function_first =
+        C.activation != nullptr && (C.pool.columns == 1 || C.activation->monotonic);
     constexpr std::size_t pooled_rows = ceil_div(Rows, C.pool.rows),
                           pooled_columns = ceil_div(Columns, C.pool.columns);
     alignas(vector_alignment) std::array<float, pooled_rows * Vectors * lanes<float>> map;
@@ -119,8 +122,8 @@ convolve_packed_block(const std::array<const float*, packed_pixels<C>::footprint
 #pragma GCC unroll 64
             for (std::size_t y = o * C.pool.rows + 1; y < end; ++y)
                 largest = maximum_or_second(sums[y][v], largest);
-            if constexpr (C.relu)
-                largest = maximum_or_second(vector<float>(0.0f), largest);
+            if constexpr (function_first)
+                largest = activated<C>(largest);
             store(map.data() + (o * Vectors + v) * lanes<float>, largest);
         }
 #pragma GCC unroll 64
@@ -132,6 +135,8 @@ convolve_packed_block(const std::array<const float*, packed_pixels<C>::footprint
 #pragma GCC unroll 64
         for (std::size_t i = 1; i < across; ++i)
             largest = maximum_or_second(load_as<narrow>(from + i * width), largest);
+        if constexpr (!function_first)
+            largest = activated<C>(largest);
         store_as(output + (row * C.output_columns() + o % pooled_columns) * width, largest);
     }
 }
@@ -198,6 +203,8 @@ struct packed_pixels_method : frame_method {
             some_rows(constant<plan::rows>{}, y);
         if constexpr (C.rows() % plan::rows != 0)
             some_rows(constant<C.rows() % plan::rows>{}, C.rows() / plan::rows * plan::rows);
+        // Wide vectors would wait for the narrow ones that were just stored, so not row by row.
+        activate_outputs<C>(output, C.output_rows(), C.output_columns());
     }
 };
 

@@ -5,6 +5,7 @@
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/pooling_windows.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <type_traits>
@@ -59,6 +60,29 @@ struct pixel_access {
     }
 };
 
+/// The largest of the pixels at(row, column), row by row. Several chains do not wait for each other.
+template <std::size_t Chains, class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector largest_of(pixel_range rows, pixel_range columns,
+                                                              const auto& at) {
+    using pixels = pixel_access<Vector>;
+    std::array<Vector, Chains> largest;
+#pragma GCC unroll 4
+    for (std::size_t i = 0; i < Chains; ++i)
+        largest[i] = at(rows.begin, columns.begin);
+    for (std::size_t y = rows.begin; y < rows.end; ++y) {
+        std::size_t x = columns.begin;
+        for (; x + Chains <= columns.end; x += Chains)
+#pragma GCC unroll 4
+            for (std::size_t i = 0; i < Chains; ++i)
+                largest[i] = pixels::larger(at(y, x + i), largest[i]);
+        for (; x < columns.end; ++x)
+            largest[0] = pixels::larger(at(y, x), largest[0]);
+    }
+    for (std::size_t i = 1; i < Chains; ++i)
+        largest[0] = pixels::larger(largest[i], largest[0]);
+    return largest[0];
+}
+
 /// output = the largest value of each window. `Stride` elements from one pixel to the next, in both maps.
 template <sliding_window W, std::size_t Stride, class T>
 [[gnu::flatten]] void pool_frame(const T* input, T* output) {
@@ -70,7 +94,8 @@ template <sliding_window W, std::size_t Stride, class T>
             return pixels::load(input + (y * W.input.columns + x) * Stride + channel);
         };
         constexpr std::size_t kernel_rows = W.kernel.rows, kernel_columns = W.kernel.columns;
-        if (rows.end - rows.begin == kernel_rows && columns.end - columns.begin == kernel_columns) {
+        constexpr bool many = W.kernel.area() > 16;
+        if (!many && rows.end - rows.begin == kernel_rows && columns.end - columns.begin == kernel_columns) {
             // Nearly all windows: of known size, unrolled.
             for (std::size_t channel = 0; channel < Stride; channel += width) {
                 wide largest = at(rows.begin, columns.begin, channel);
@@ -84,11 +109,9 @@ template <sliding_window W, std::size_t Stride, class T>
             return;
         }
         for (std::size_t channel = 0; channel < Stride; channel += width) {
-            wide largest = at(rows.begin, columns.begin, channel);
-            for (std::size_t y = rows.begin; y < rows.end; ++y)
-                for (std::size_t x = columns.begin; x < columns.end; ++x)
-                    largest = pixels::larger(at(y, x, channel), largest);
-            pixels::store(output + o * Stride + channel, largest);
+            const auto here = [&](std::size_t y, std::size_t x) { return at(y, x, channel); };
+            pixels::store(output + o * Stride + channel, largest_of < many ? 4 : 1,
+                          wide > (rows, columns, here));
         }
     });
 }
@@ -102,11 +125,7 @@ void largest_pixels(const average_windows& bins, std::size_t stride, const T* in
             const auto at = [&](std::size_t y, std::size_t x) {
                 return pixels::load(input + (y * bins.columns.size + x) * stride + channel);
             };
-            Vector largest = at(rows.begin, columns.begin);
-            for (std::size_t y = rows.begin; y < rows.end; ++y)
-                for (std::size_t x = columns.begin; x < columns.end; ++x)
-                    largest = pixels::larger(at(y, x), largest);
-            pixels::store(output + o * stride + channel, largest);
+            pixels::store(output + o * stride + channel, largest_of<4, Vector>(rows, columns, at));
         }
     });
 }
@@ -150,10 +169,41 @@ void average_pixels(const average_windows& windows, std::size_t stride, const fl
 }
 
 /// output = the sum of each window ÷ its divisor. `Stride` elements from one pixel to the next, in both maps.
-template <std::size_t Stride>
-void average_frame(const average_windows& windows, const float* input, float* output) {
+template <average_windows Windows, std::size_t Stride>
+void average_frame(const float* input, float* output) {
     using wide = typename decltype(pixel_vector<float, Stride>())::type;
-    average_pixels<wide>(windows, Stride, input, output);
+    using access = pixel_access<wide>;
+    constexpr std::size_t width = sizeof(wide) / sizeof(float), kernel_rows = Windows.rows.kernel,
+                          kernel_columns = Windows.columns.kernel;
+    if constexpr (kernel_rows == 0 || kernel_columns == 0 || kernel_rows * kernel_columns > 16) {
+        average_pixels<wide>(Windows, Stride, input, output);
+    } else {
+        // Nearly all windows are whole: unrolled, so that the processor works on several at a time.
+        Windows.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t divisor) {
+            const float* const from = input + (rows.begin * Windows.columns.size + columns.begin) * Stride;
+            const bool whole =
+                rows.end - rows.begin == kernel_rows && columns.end - columns.begin == kernel_columns;
+            const wide count(static_cast<float>(divisor));
+            for (std::size_t channel = 0; channel < Stride; channel += width) {
+                wide sum(0.0f);
+                const auto add = [&](std::size_t y, std::size_t x) __attribute__((always_inline)) {
+                    sum = sum + access::load(from + (y * Windows.columns.size + x) * Stride + channel);
+                };
+                if (whole) {
+#pragma GCC unroll 16
+                    for (std::size_t y = 0; y < kernel_rows; ++y)
+#pragma GCC unroll 16
+                        for (std::size_t x = 0; x < kernel_columns; ++x)
+                            add(y, x);
+                } else {
+                    for (std::size_t y = 0; y < rows.end - rows.begin; ++y)
+                        for (std::size_t x = 0; x < columns.end - columns.begin; ++x)
+                            add(y, x);
+                }
+                access::store(output + o * Stride + channel, sum / count);
+            }
+        });
+    }
 }
 
 }}} // namespace tactnet::kernels

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 // Group, instance and layer norms of one frame that lies pixel by pixel. In single precision, so that small
 // processors need no double for each element: from a rough mean of a group, in a second pass the distances
@@ -129,16 +130,31 @@ void normalise_channel_groups(const frame_norm& norm, const float* weights, cons
     }
 }
 
-/// The sum of the lanes, half by half.
+/// The sum of the lanes, half by half. In registers: narrow loads of what was stored wide wait for it.
+template <std::size_t Lanes>
+[[nodiscard]] [[gnu::always_inline]] inline float sum_halves(const float_vec<Lanes>& values) {
+    if constexpr (Lanes == 4) {
+        const float_vec<4> pairs = values + __builtin_shufflevector(values, values, 2, 3, 2, 3);
+        return pairs[0] + pairs[1];
+    } else {
+        return [&]<int... I>(std::integer_sequence<int, I...>) __attribute__((always_inline)) {
+            constexpr int half = static_cast<int>(Lanes / 2);
+            return sum_halves<Lanes / 2>(__builtin_shufflevector(values, values, I...) +
+                                         __builtin_shufflevector(values, values, (half + I)...));
+        }
+        (std::make_integer_sequence<int, static_cast<int>(Lanes / 2)>{});
+    }
+}
 template <class Vector>
-[[nodiscard]] float sum_of_lanes(const Vector& values) {
+[[nodiscard]] [[gnu::always_inline]] inline float sum_of_lanes(const Vector& values) {
     constexpr std::size_t width = sizeof(Vector) / sizeof(float);
-    alignas(vector_alignment) std::array<float, width> flat;
-    pixel_access<Vector>::store(flat.data(), values);
-    for (std::size_t half = width / 2; half > 0; half /= 2)
-        for (std::size_t lane = 0; lane < half; ++lane)
-            flat[lane] += flat[lane + half];
-    return flat[0];
+    if constexpr (width == 1) {
+        float sum;
+        pixel_access<Vector>::store(&sum, values);
+        return sum;
+    } else {
+        return sum_halves<width>(load_bytes_as<float_vec<width>>(&values));
+    }
 }
 
 /// Layer norm over the channels of each of `Together` pixels, side by side, so that none waits for the sums

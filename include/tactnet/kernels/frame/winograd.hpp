@@ -84,8 +84,8 @@ template <frame_convolution C, extent2d Outputs, std::size_t Vectors, std::size_
         store_as(products + i * C.width(), sums[i / Vectors][i % Vectors]);
 }
 
-/// Outputs of the tiles [first, last): Aᵀ m A, bias, the other term of a sum, max pool, ReLU. Frames lie
-/// `distance` elements apart.
+/// Outputs of the tiles [first, last): Aᵀ m A, bias, the other term of a sum, max pool, activation function.
+/// Frames lie `distance` elements apart.
 template <frame_convolution C, extent2d Outputs, std::size_t Frames, std::size_t Vectors>
 [[gnu::flatten, gnu::noinline]] void transform_winograd_output(const float* products, const float* bias,
                                                                float* output, std::size_t distance,
@@ -147,9 +147,7 @@ template <frame_convolution C, extent2d Outputs, std::size_t Frames, std::size_t
                                       v * width;
                     if constexpr (C.accumulates)
                         value = value + load_as<wide>(to);
-                    if constexpr (C.relu)
-                        value = maximum_or_second(wide(0.0f), value);
-                    store_as(to, value);
+                    store_as(to, activated<C>(value));
                 }
             }
         }
@@ -239,6 +237,14 @@ struct winograd_method : frame_method {
                 transform_winograd_output<C, Outputs, Frames, vectors>(
                     products, bias + first, output + first, output_distance, first_tile, first_tile + band);
             });
+            // The rows of tiles that this band completes.
+            const std::size_t end = (first_tile + band) / tiles::columns, high = Outputs.rows / C.pool.rows;
+            for (std::size_t row = first_tile / tiles::columns; row < end; ++row) {
+                const std::size_t y = row % tiles::rows * high;
+                float* const to = output + row / tiles::rows * output_distance;
+                activate_outputs<C>(to + y * C.output_columns() * C.output_stride(),
+                                    std::min(high, C.output_rows() - y), C.output_columns());
+            }
         });
     }
 };

@@ -125,7 +125,8 @@ struct winograd_tiles {
     static_assert(tile_possible(C, Outputs), "winograd_tiles: this convolution has no such tile");
     static constexpr extent2d side = tile_side(C, Outputs);
     static constexpr std::size_t elements = side.area(); ///< of an input tile and of a transformed kernel
-    static constexpr std::size_t columns = ceil_div(C.columns(), Outputs.columns);
+    static constexpr std::size_t rows = ceil_div(C.rows(), Outputs.rows),
+                                 columns = ceil_div(C.columns(), Outputs.columns);
     static constexpr std::size_t tiles_per_frame = tile_count(C, Outputs); ///< tiles of one frame
     static constexpr std::size_t count = Frames * tiles_per_frame;
 

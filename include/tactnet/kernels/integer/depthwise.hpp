@@ -136,7 +136,7 @@ convolve_depthwise_block(const std::uint8_t* staged, const std::int8_t* weights,
                 results[o][v] = rounded<lanes>(largest, epilogue.factor<lanes>(v), epilogue.range);
             else
                 results[o][v] = reinterpret_cast<sum>(
-                    epilogue.unrounded<lanes, C.relu>(largest, epilogue.factor<lanes>(v)));
+                    epilogue.unrounded<lanes, C.rectifies()>(largest, epilogue.factor<lanes>(v)));
         }
     }
 #pragma GCC unroll 64

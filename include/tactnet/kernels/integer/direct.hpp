@@ -101,7 +101,7 @@ convolve_integer_block(const typename Layout::staged* input, const typename Layo
                 const sum& other = sums[(top + i / across) * Columns + left + i % across][v];
                 largest = other > largest ? other : largest;
             }
-            epilogue.store<width, C.relu>(
+            epilogue.store<width, C.rectifies()>(
                 output + (o / pooled_columns * C.output_columns() + o % pooled_columns) * C.output_stride() +
                     v * width,
                 largest, factors);

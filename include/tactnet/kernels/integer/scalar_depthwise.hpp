@@ -54,7 +54,7 @@ struct scalar_depthwise_method {
                         sum += packed[tap * C.filters + f] * taps[first + tap][f];
                     largest[0] = first == 0 ? sum : std::max<std::int32_t>(largest[0], sum);
                 }
-                epilogue.store<1, C.relu>(output + f, largest, epilogue.factor<1>(f));
+                epilogue.store<1, C.rectifies()>(output + f, largest, epilogue.factor<1>(f));
             }
         }
     }

@@ -138,8 +138,8 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
                     largest = larger(y[2], largest);
                 if (right && below)
                     largest = larger(y[3], largest);
-                epilogue.store<width, C.relu>(output + tile * C.output_stride() + v * width, largest,
-                                              factors);
+                epilogue.store<width, C.rectifies()>(output + tile * C.output_stride() + v * width, largest,
+                                                     factors);
             } else {
 #pragma GCC unroll 64
                 for (std::size_t i = 0; i < 4; ++i) {
@@ -150,7 +150,7 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
                         v * width;
                     if constexpr (C.accumulates)
                         y[i] += epilogue.added_term<width>(to, v);
-                    epilogue.store<width, C.relu>(to, y[i], factors);
+                    epilogue.store<width, C.rectifies()>(to, y[i], factors);
                 }
             }
         }

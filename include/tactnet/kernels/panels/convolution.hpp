@@ -149,7 +149,8 @@ struct panel_share {
     std::size_t first_row, last_row, first_column, last_column, first_panel, last_panel;
 };
 
-/// output = bias + convolution, a sum, ReLU; no pool. `memory` holds plan.workspace() elements.
+/// output = bias + convolution, a sum, activation function; no pool. `memory` holds plan.workspace()
+/// elements.
 template <class = void>
 void convolve_panels(const panel_plan& plan, const panel_share& share, const float* input,
                      const float* weights, const float* bias, float* output, float* memory) {
@@ -174,7 +175,8 @@ void convolve_panels(const panel_plan& plan, const panel_share& share, const flo
                     from + part.row * row_distance + part.column * plan.stride + part.channel;
                 const epilogue end{.bias = part.first == 0 ? bias : nullptr,
                                    .accumulates = part.first > 0 || c.accumulates,
-                                   .relu = c.relu && part.first + part.lines * part.depth == taps};
+                                   .rectifies =
+                                       c.rectifies() && part.first + part.lines * part.depth == taps};
                 for (std::size_t panel = share.first_panel; panel < share.last_panel; ++panel)
                     for (std::size_t r = 0; r < rows; ++r) {
                         const bool one = rows * columns == 1; // a single row takes all panels
@@ -191,6 +193,12 @@ void convolve_panels(const panel_plan& plan, const panel_share& share, const flo
                             panel = share.last_panel;
                     }
             });
+            if (c.activation != nullptr && !c.rectifies()) {
+                const std::size_t first = panels.begin(share.first_panel);
+                c.activation->apply({output + (y * out_columns + x) * c.output_stride() + first, rows,
+                                     out_columns * c.output_stride(), columns, c.output_stride(),
+                                     panels.begin(share.last_panel) - first});
+            }
         }
 }
 

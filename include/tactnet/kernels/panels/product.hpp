@@ -45,7 +45,7 @@ struct epilogue {
     const float* bias =
         nullptr;              ///< of the filters of the panel; null for the second and later parts of a sum
     bool accumulates = false; ///< whether the output accumulates
-    bool relu = false;        ///< whether a ReLU follows
+    bool rectifies = false;   ///< whether a ReLU follows
 };
 
 /// The rows of a product, in and out. A row of inputs is `lines` pieces of `depth` inputs each.
@@ -122,7 +122,7 @@ template <std::size_t Rows, std::size_t Vectors, std::size_t Panels = 1>
         }
         to = rows.output;
     }
-    if (end.relu) {
+    if (end.rectifies) {
 #pragma GCC unroll 64
         for (std::size_t i = 0; i < sums_of_block; ++i)
             sums[i / across][i % across] = maximum_or_second(wide(0.0f), sums[i / across][i % across]);

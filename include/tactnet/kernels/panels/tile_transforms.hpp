@@ -36,7 +36,7 @@ struct tile_outputs {
     float* output;
     std::size_t row_distance, pixel_distance; ///< elements
     extent2d size;                            ///< outputs that are in the image, before a pool
-    bool accumulates, relu;
+    bool accumulates, rectifies;
     bool pooled; ///< by a max pool of 2 × 2
 };
 
@@ -48,7 +48,7 @@ template <std::size_t Outputs>
     constexpr std::size_t side = Outputs + 2, all = Outputs * Outputs;
     using wide = vector<float>;
     const auto finished = [&](const wide& value) __attribute__((always_inline)) {
-        return to.relu ? maximum_or_second(wide(0.0f), value) : value;
+        return to.rectifies ? maximum_or_second(wide(0.0f), value) : value;
     };
     for (std::size_t f = first; f < last; f += lanes<float>) {
         std::array<std::array<wide, side>, Outputs> half;

@@ -139,6 +139,28 @@ struct frame_distances {
     std::size_t input, output;
 };
 
+/// Applies an activation function to the stored outputs of `count` tiles from tile `first` on, in runs of
+/// tiles side by side, of the filters [first_filter, last_filter).
+inline void activate_tiles(const tile_plan& plan, std::size_t outputs, std::size_t first, std::size_t count,
+                           std::size_t first_filter, std::size_t last_filter, std::size_t distance,
+                           float* output) {
+    const frame_convolution& c = plan.convolution;
+    for (const std::size_t end = first + count; first < end;) {
+        const std::size_t tile = first % plan.count(), column = tile % plan.columns(),
+                          run = std::min(plan.columns() - column, end - first),
+                          y = tile / plan.columns() * outputs, x = column * outputs;
+        const std::size_t rows = ceil_div(std::min(outputs, c.rows() - y), c.pool.rows),
+                          columns = ceil_div(std::min(run * outputs, c.columns() - x), c.pool.columns);
+        c.activation->apply(
+            {output + first / plan.count() * distance +
+                 (y / c.pool.rows * c.output_columns() + x / c.pool.columns) * c.output_stride() +
+                 first_filter,
+             rows, c.output_columns() * c.output_stride(), columns, c.output_stride(),
+             last_filter - first_filter});
+        first += run;
+    }
+}
+
 /// Computes a share of the convolution and its epilogue. `memory` holds plan.workspace(band) elements.
 template <std::size_t Outputs>
 void convolve_tiles_of(const tile_plan& plan, std::size_t band, const tile_share& share,
@@ -201,9 +223,12 @@ void convolve_tiles_of(const tile_plan& plan, std::size_t band, const tile_share
                  .pixel_distance = c.output_stride(),
                  .size = {std::min(Outputs, c.rows() - y), std::min(Outputs, c.columns() - x)},
                  .accumulates = c.accumulates,
-                 .relu = c.relu,
+                 .rectifies = c.rectifies(),
                  .pooled = pooled});
         });
+        if (c.activation != nullptr && !c.rectifies())
+            activate_tiles(plan, Outputs, first, count, panels.begin(share.first_panel),
+                           panels.begin(share.last_panel), distances.output, output);
     }
 }
 

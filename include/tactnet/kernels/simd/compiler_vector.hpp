@@ -25,6 +25,8 @@ using float_vec = typename detail::compiler_vector<float, Lanes>::type;
 template <std::size_t Lanes>
 using int32_vec = typename detail::compiler_vector<std::int32_t, Lanes>::type;
 template <std::size_t Lanes>
+using uint32_vec = typename detail::compiler_vector<std::uint32_t, Lanes>::type;
+template <std::size_t Lanes>
 using int16_vec = typename detail::compiler_vector<std::int16_t, Lanes>::type;
 template <std::size_t Lanes>
 using uint8_vec = typename detail::compiler_vector<std::uint8_t, Lanes>::type;

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/simd/float_lanes.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 
 // exp of a vector, bit-identical with and without SIMD. x = n · ln 2 + r with an integer n and |r| ≤ ln 2 /
@@ -19,41 +18,33 @@ namespace detail {
 inline constexpr float integer_shift = 0x1.8p23F;
 
 /// values · 2ⁿ, where `shifted` is n + integer_shift. The result must be a normal number.
-[[nodiscard]] inline vector<float> times_power_of_two(const vector<float>& values,
-                                                      const vector<float>& shifted) {
-    constexpr int mantissa_bits = std::numeric_limits<float>::digits - 1;
-#ifndef TACTNET_NO_SIMD
-    // Not xsimd's bitwise_cast, whose template argument is a batch up to version 10 and a scalar since.
-    using integers = xsimd::batch<std::int32_t>;
-    const integers powers = tactnet::detail::bits_as<integers>(shifted) << mantissa_bits;
-    return tactnet::detail::bits_as<vector<float>>(tactnet::detail::bits_as<integers>(values) + powers);
-#else
-    const std::uint32_t powers = tactnet::detail::bits_as<std::uint32_t>(shifted.value) << mantissa_bits;
-    return tactnet::detail::bits_as<float>(tactnet::detail::bits_as<std::uint32_t>(values.value) + powers);
-#endif
+template <float_vector Vector>
+[[nodiscard]] inline Vector times_power_of_two(const Vector& values, const Vector& shifted) {
+    return from_bits<Vector>(to_bits(values) + (to_bits(shifted) << mantissa_bits));
 }
 
 } // namespace detail
 
 /// eˣ with an error of at most 1.5 units in the last place. Below ln 2⁻¹²⁶ ≈ −87.34, where results would be
 /// subnormal, the result is 0; above ln of the largest float ≈ 88.72 it is infinity; for NaN it is NaN.
-[[nodiscard]] inline vector<float> exponential(const vector<float>& x) {
-    using v = vector<float>;
+template <float_vector Vector>
+[[nodiscard]] inline Vector exponential(const Vector& x) {
+    using v = Vector;
     constexpr float log2_e = 0x1.715476p0F;
     // ln 2 in two parts. n times the first is exact: its last nine bits are zero.
     constexpr float ln2_high = 0x1.63p-1F, ln2_low = -0x1.bd0106p-13F;
     constexpr float lowest = -0x1.5d589ep6F, highest = 0x1.62e42ep6F;
 
-    const v shifted = multiply_add(x, v(log2_e), v(detail::integer_shift));
+    const v shifted = fused_multiply_add(x, v(log2_e), v(detail::integer_shift));
     const v n = shifted - v(detail::integer_shift);
-    const v r = multiply_add(n, v(-ln2_low), multiply_add(n, v(-ln2_high), x));
+    const v r = fused_multiply_add(n, v(-ln2_low), fused_multiply_add(n, v(-ln2_high), x));
     v series(1.0F / 5040);
     for (const float factorial : {720.0F, 120.0F, 24.0F, 6.0F, 2.0F, 1.0F, 1.0F})
-        series = multiply_add(series, r, v(1 / factorial));
+        series = fused_multiply_add(series, r, v(1 / factorial));
     const v result = detail::times_power_of_two(series, shifted);
     const v infinity(std::numeric_limits<float>::infinity());
-    return choose<float>(x < v(lowest), v(0.0F),
-                         choose<float>(x > v(highest), infinity, choose<float>(x == x, result, x)));
+    return choose_lanes(x < v(lowest), v(0.0F),
+                        choose_lanes(x > v(highest), infinity, choose_lanes(x == x, result, x)));
 }
 
 /// values = exp(−factor · values) for values ≥ 0; `count` is a multiple of the lanes.

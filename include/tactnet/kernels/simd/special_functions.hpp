@@ -2,13 +2,14 @@
 
 #include <tactnet/detail/special_functions.hpp>
 #include <tactnet/kernels/simd/exponential.hpp>
-#include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/kernels/simd/float_lanes.hpp>
 
 #include <cstddef>
 
-// Functions of activations, of a vector of floats or of one double. `choose_lanes` lets one function template
-// serve both. In single precision the polynomials were fitted in 40 digits on Chebyshev nodes; the bit
-// pattern of a result does not depend on the instruction set.
+// Functions of activations, of a vector of floats of any width or of one double: one template of an
+// activation serves both. In single precision the polynomials were fitted in 40 digits, and multiply-adds are
+// few, since these decide the time. The bits of a result do not depend on the width of the vector, and on the
+// instruction set only in whether it fuses multiply-adds.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
@@ -18,58 +19,100 @@ using tactnet::detail::log_one_plus;
 using tactnet::detail::normal_density;
 using tactnet::detail::normal_tail;
 
-/// `yes` where the condition holds, otherwise `no`.
-[[nodiscard]] inline vector<float> choose_lanes(const mask<float>& condition, const vector<float>& yes,
-                                                const vector<float>& no) {
-    return choose<float>(condition, yes, no);
-}
-[[nodiscard]] constexpr double choose_lanes(bool condition, double yes, double no) {
-    return condition ? yes : no;
-}
-/// |x|; NaN stays NaN.
-template <class Number>
-[[nodiscard]] constexpr Number magnitude(const Number& x) {
-    return choose_lanes(x < Number(0), Number(0) - x, x);
-}
-
 namespace detail {
 
 /// A polynomial by Horner's rule, highest power first.
-template <std::size_t Count>
-[[nodiscard]] inline vector<float> polynomial(const vector<float>& x, const float (&coefficients)[Count]) {
-    vector<float> sum(coefficients[0]);
+template <float_vector Vector, std::size_t Count>
+[[nodiscard]] [[gnu::always_inline]] inline Vector polynomial(const Vector& x,
+                                                              const float (&coefficients)[Count]) {
+    Vector sum(coefficients[0]);
+#pragma GCC unroll 16
     for (std::size_t i = 1; i < Count; ++i)
-        sum = multiply_add(sum, x, vector<float>(coefficients[i]));
+        sum = fused_multiply_add(sum, x, Vector(coefficients[i]));
     return sum;
+}
+
+/// x = n · ln 2 + r with an integer n, for |x| < 88.7, and the power 2ⁿ; 0 for n = −127, infinite for 128.
+template <float_vector Vector>
+struct reduced_exponent {
+    Vector r, power;
+
+    [[gnu::always_inline]] explicit reduced_exponent(const Vector& x) {
+        constexpr float log2_e = 0x1.715476p0F, ln2_high = 0x1.63p-1F, ln2_low = -0x1.bd0106p-13F;
+        const Vector shifted = fused_multiply_add(x, Vector(log2_e), Vector(biased_integer_shift));
+        const Vector n = shifted - Vector(biased_integer_shift);
+        r = fused_multiply_add(n, Vector(-ln2_low), fused_multiply_add(n, Vector(-ln2_high), x));
+        power = power_of_two(shifted);
+    }
+};
+
+} // namespace detail
+
+namespace detail {
+
+/// eʳ for |r| ≤ ln 2 ÷ 2, off by less than 2·10⁻⁹ before rounding.
+template <float_vector Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector exponential_near_zero(const Vector& r) {
+    return polynomial(
+        r, {0x1.6ab8cep-10F, 0x1.126dbep-7F, 0x1.55589ep-5F, 0x1.55540ap-3F, 0x1.fffffap-2F, 1.0F, 1.0F});
 }
 
 } // namespace detail
 
-/// tanh x, within 2 units in the last place.
-[[nodiscard]] inline vector<float> hyperbolic_tangent(const vector<float>& x) {
-    using v = vector<float>;
-    const v size = magnitude(x), square = x * x;
-    // x + x³ · P(x²) below 0.625; the difference of 1 and a small quotient above it.
-    const v series = detail::polynomial(
-        square, {-0x1.8f8de4p-8F, 0x1.58048ep-6F, -0x1.b9258ap-5F, 0x1.110e1cp-3F, -0x1.555552p-2F});
-    const v near_zero = multiply_add(x * square, series, x);
-    const v far = v(1) - v(2) / (exponential(size + size) + v(1));
-    return choose<float>(size < v(0.625F), near_zero, choose<float>(x < v(0), v(0) - far, far));
+/// eˣ for x ≤ 0, within 1.5 units in the last place of results that are normal numbers; 0 below −87.7. For
+/// NaN it is NaN.
+template <float_vector Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector exponential_of_negative(const Vector& x) {
+    constexpr float lowest = -88; // its power is 0
+    const detail::reduced_exponent reduced(at_least(Vector(lowest), x));
+    return reduced.power * detail::exponential_near_zero(reduced.r);
+}
+/// In double precision.
+[[nodiscard]] constexpr double exponential_of_negative(double x) {
+    return tactnet::detail::exponential(x);
 }
 
-/// eˣ − 1 for x ≤ 0, within 2 units in the last place: 2ⁿ · (eʳ − 1) + (2ⁿ − 1), with n and r as of
-/// `exponential`. For NaN it is NaN.
-[[nodiscard]] inline vector<float> exponential_minus_one(const vector<float>& x) {
-    using v = vector<float>;
-    constexpr float log2_e = 0x1.715476p0F, ln2_high = 0x1.63p-1F, ln2_low = -0x1.bd0106p-13F;
-    const v within = choose<float>(x < v(-87.0F), v(-87.0F), x);
-    const v shifted = multiply_add(within, v(log2_e), v(detail::integer_shift));
-    const v n = shifted - v(detail::integer_shift);
-    const v r = multiply_add(n, v(-ln2_low), multiply_add(n, v(-ln2_high), within));
-    const v series =
-        detail::polynomial(r, {1 / 40320.0F, 1 / 5040.0F, 1 / 720.0F, 1 / 120.0F, 1 / 24.0F, 1 / 6.0F, 0.5F});
-    const v power = detail::times_power_of_two(v(1.0F), shifted);
-    return multiply_add(power, multiply_add(r * r, series, r), power - v(1.0F));
+/// 1 + e⁻ˣ, within 2 units in the last place; infinite below −88.4.
+template <float_vector Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector one_plus_exponential_of_opposite(const Vector& x) {
+    constexpr float least = -88, most = 88.6F; // their powers are 0 and infinite
+    const detail::reduced_exponent reduced(at_least(Vector(least), at_most(Vector(most), Vector(0.0F) - x)));
+    return fused_multiply_add(reduced.power, detail::exponential_near_zero(reduced.r), Vector(1.0F));
+}
+/// In double precision.
+[[nodiscard]] constexpr double one_plus_exponential_of_opposite(double x) {
+    return 1 + tactnet::detail::exponential(-x);
+}
+
+namespace detail {
+
+/// eˣ for x ≤ 0 as 2ⁿ · (eʳ − 1) + 2ⁿ.
+template <float_vector Vector>
+struct exponential_parts {
+    Vector power, less_one;
+
+    [[gnu::always_inline]] explicit exponential_parts(const Vector& x) {
+        constexpr float lowest = -87;
+        const reduced_exponent reduced(at_least(Vector(lowest), x));
+        const Vector& r = reduced.r;
+        power = reduced.power;
+        less_one = fused_multiply_add(r * r,
+                                      polynomial(r, {0x1.a2a44ap-13F, 0x1.6d83f6p-10F, 0x1.11101cp-7F,
+                                                     0x1.55549ep-5F, 0x1.555556p-3F, 0.5F}),
+                                      r);
+    }
+    /// eˣ + term for 1 or −1, rounded once from the parts.
+    [[nodiscard]] [[gnu::always_inline]] Vector plus(float term) const {
+        return fused_multiply_add(power, less_one, power + Vector(term));
+    }
+};
+
+} // namespace detail
+
+/// eˣ − 1 for x ≤ 0, within 2 units in the last place. For NaN it is NaN.
+template <float_vector Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector exponential_minus_one(const Vector& x) {
+    return detail::exponential_parts(x).plus(-1);
 }
 /// In double precision. Returns 0 for NaN and above 0, where elu_function takes x.
 [[nodiscard]] constexpr double exponential_minus_one(double x) {
@@ -77,44 +120,66 @@ template <std::size_t Count>
     return 2 * t / (1 - t);
 }
 
+/// tanh x, within 2 units in the last place: (p − 1) ÷ (p + 1) with the sign of x, where p is e to the power
+/// of −2 |x|. Both are rounded once, from the parts of p − 1.
+template <float_vector Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector hyperbolic_tangent(const Vector& x) {
+    const Vector less = negative_magnitude(x);
+    const detail::exponential_parts p(less + less);
+    return with_sign_of(x, p.plus(-1) / p.plus(1));
+}
+
 /// log(1 + x) for 0 ≤ x ≤ 1, within 2 units in the last place: 2 artanh(x ÷ (2 + x)).
-[[nodiscard]] inline vector<float> log_one_plus(const vector<float>& x) {
-    using v = vector<float>;
-    const v s = x / (x + v(2)), square = s * s;
-    const v series = detail::polynomial(
+template <float_vector Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector log_one_plus(const Vector& x) {
+    const Vector s = x / (x + Vector(2.0F)), square = s * s;
+    const Vector series = detail::polynomial(
         square, {0x1.dba26p-3F, 0x1.bc8cf8p-3F, 0x1.24c926p-2F, 0x1.9998d4p-2F, 0x1.555556p-1F});
-    return multiply_add(s * square, series, s + s);
+    return fused_multiply_add(s * square, series, s + s);
 }
 
 namespace detail {
 
-/// exp(−x²/2). The square of x rounded to a multiple of 2⁻⁷ is exact; rounding the whole square would cost
-/// digits of the result.
-[[nodiscard]] inline vector<float> bell(const vector<float>& x) {
-    using v = vector<float>;
-    constexpr float rounds_to_multiples = 0x1.8p16F;
-    const v within = choose<float>(magnitude(x) > v(20), v(20), x);
-    const v first = (within + v(rounds_to_multiples)) - v(rounds_to_multiples), rest = within - first;
-    return exponential(v(-0.5F) * first * first) * exponential(v(-0.5F) * rest * (within + first));
+/// Where exp(−x²/2) = 2ⁿ · … has n = −127.
+inline constexpr float end_of_bell = 13.27F;
+
+/// exp(−x²/2) for 0 ≤ x ≤ end_of_bell; 0 above 13.25. The square of x rounded to a multiple of 2⁻⁷ is exact;
+/// rounding the whole square would cost digits of the result. x² = −2 n · ln 2 + q, and the polynomial is
+/// that of exp(−q/2).
+template <float_vector Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector bell(const Vector& x) {
+    constexpr float rounds_to_multiples = 0x1.8p16F, half_log2_e = 0x1.715476p-1F;
+    constexpr float twice_ln2_high = 0x1.63p0F, twice_ln2_low = -0x1.bd0106p-12F;
+    const Vector first = (x + Vector(rounds_to_multiples)) - Vector(rounds_to_multiples);
+    const Vector square = first * first;
+    const Vector shifted = fused_multiply_add(square, Vector(-half_log2_e), Vector(biased_integer_shift));
+    const Vector n = shifted - Vector(biased_integer_shift);
+    const Vector of_first =
+        fused_multiply_add(n, Vector(twice_ln2_low), fused_multiply_add(n, Vector(twice_ln2_high), square));
+    const Vector q = fused_multiply_add(x - first, x + first, of_first);
+    return power_of_two(shifted) * polynomial(q, {0x1.725fe8p-16F, -0x1.1324e6p-12F, 0x1.554daep-9F,
+                                                  -0x1.55524ap-6F, 0x1.000004p-3F, -0x1.000002p-1F, 1.0F});
 }
 
 } // namespace detail
 
-/// The density of the standard normal distribution at x, within 4 units in the last place; 0 beyond 13.2.
-[[nodiscard]] inline vector<float> normal_density(const vector<float>& x) {
+/// The density of the standard normal distribution at x, within 4 units in the last place; 0 beyond 13.3.
+template <float_vector Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector normal_density(const Vector& x) {
     constexpr float of_zero = 0.3989422804F;
-    return vector<float>(of_zero) * detail::bell(x);
+    return Vector(of_zero) * detail::bell(at_most(Vector(detail::end_of_bell), magnitude(x)));
 }
 
-/// The probability that a standard normal variable is below −x, for x ≥ 0: exp(−x²/2) · M(x), where M is a
-/// polynomial in 3.5 ÷ (3.5 + x). Within 8 units in the last place; 0 from 13.3 on.
-[[nodiscard]] inline vector<float> normal_tail(const vector<float>& x) {
-    using v = vector<float>;
-    const v t = v(3.5F) / (x + v(3.5F));
-    const v ratio = t * detail::polynomial(t, {-0x1.3018f6p-6F, 0x1.dd0a48p-4F, -0x1.1f72f2p-2F,
-                                               0x1.36fc16p-2F, -0x1.537d0cp-3F, 0x1.2cab4ep-3F, 0x1.f724dp-5F,
-                                               0x1.bef10cp-4F, 0x1.d101acp-4F, 0x1.d2f5c4p-4F});
-    return detail::bell(x) * ratio;
+/// The probability that a standard normal variable is below −x, for x ≥ 0: exp(−x²/2) times a quotient of
+/// polynomials with positive coefficients. Within 8 units in the last place; 0 from 13.3 on.
+template <float_vector Vector>
+[[nodiscard]] [[gnu::always_inline]] inline Vector normal_tail(const Vector& x) {
+    const Vector within = at_most(Vector(detail::end_of_bell), x);
+    const Vector above =
+        detail::polynomial(within, {0x1.06f378p-8F, 0x1.4726bep-5F, 0x1.7308a4p-3F, 0x1.bdf672p-2F, 0.5F});
+    const Vector below = detail::polynomial(
+        within, {0x1.498e3ap-7F, 0x1.9a0dc2p-4F, 0x1.db268ep-2F, 0x1.31a542p0F, 0x1.ab3d68p0F, 1.0F});
+    return detail::bell(within) * above / below;
 }
 
 }}} // namespace tactnet::kernels

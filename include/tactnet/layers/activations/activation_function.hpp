@@ -1,8 +1,12 @@
 #pragma once
 
+#include <tactnet/kernels/fused_activation.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <concepts>
+#include <iterator>
 #include <type_traits>
 
 // An elementwise activation function, in one struct. From it follow the layer activation<Function>
@@ -36,8 +40,11 @@
 //   is_relu             true for max(x, 0) alone: in 8 bits a clamp of bytes; the layer before fuses it
 //   moves_zero          true unless value(0) is 0
 //   largest_value       a bound of |value(x)|, for the limit on inputs of networks that multiply by it
-//   takes_vectors       true if the functions take kernels::vector<float> in place of float
-//                       (kernels/simd/special_functions.hpp)
+//   takes_vectors       true if the functions take vectors of floats of any width in place of float
+//                       (kernels/simd/float_lanes.hpp, special_functions.hpp): convolutions then fuse it
+//   in_registers        true if it takes few operations: convolutions then compute it on sums in registers
+//   monotonic           true if, as computed, a larger x never has a smaller value: a max pool after it is
+//                       fused too
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
@@ -79,7 +86,7 @@ struct activation;
 struct relu_function {
     static constexpr const char *name = "relu", *title = "ReLU", *type = "tactnet::relu_function",
                                 *header = "";
-    static constexpr bool is_relu = true;
+    static constexpr bool is_relu = true, in_registers = true, monotonic = true;
 
     template <class T>
     static constexpr T value(T x) {
@@ -108,6 +115,57 @@ template <class Function>
 concept moves_zero = requires {
     requires Function::moves_zero;
 };
+template <class Function>
+concept in_registers = requires {
+    requires Function::in_registers;
+};
+template <class Function>
+concept monotonic = requires {
+    requires Function::monotonic;
+};
+/// A bound of |value(x)|; infinite if there is none.
+template <class Function>
+[[nodiscard]] constexpr double largest_value() {
+    if constexpr (requires { Function::largest_value; })
+        return Function::largest_value;
+    else
+        return std::numeric_limits<double>::infinity();
+}
+/// The largest magnitude of an output for inputs of at most this magnitude. Functions have no larger value
+/// between than at both ends or at the input itself.
+template <class Function>
+[[nodiscard]] double activation_bound(double input) {
+    return std::max({input, std::abs(Function::value(input)), std::abs(Function::value(-input))});
+}
+
+template <class Function>
+[[nodiscard]] constexpr kernels::fused_activation describe_fused() {
+    kernels::fused_activation fused;
+    if constexpr (takes_vectors<Function>)
+        fused = kernels::fused_activation::with_functions_of<Function>();
+    fused.output_bound = activation_bound<Function>;
+    fused.in_registers = in_registers<Function>;
+    fused.rectifies = is_relu<Function>();
+    fused.monotonic = monotonic<Function>;
+    fused.moves_zero = moves_zero<Function>;
+    fused.largest_value = largest_value<Function>();
+    fused.title = Function::title, fused.type = Function::type, fused.header = Function::header;
+    if constexpr (requires { Function::arguments; })
+        fused.arguments = Function::arguments.data(), fused.argument_count = Function::arguments.size();
+    return fused;
+}
+template <class Function>
+inline constexpr kernels::fused_activation fused_object = describe_fused<Function>();
 
 } // namespace detail
+
+/// A function whose computation a convolution may do in its epilogue: a ReLU, or one that takes vectors.
+template <class Function>
+concept fusible_activation = detail::is_relu<Function>() || detail::takes_vectors<Function>;
+
+/// An activation function as the epilogue of a convolution.
+template <class Function>
+    requires fusible_activation<Function>
+inline constexpr const kernels::fused_activation* fused = &detail::fused_object<Function>;
+
 }} // namespace tactnet

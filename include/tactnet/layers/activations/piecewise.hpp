@@ -22,7 +22,7 @@ struct leaky_relu_function {
                                 *type = "tactnet::leaky_relu_function",
                                 *header = "tactnet/layers/activations/piecewise.hpp";
     static constexpr std::array arguments{Thousandths};
-    static constexpr bool takes_vectors = true;
+    static constexpr bool takes_vectors = true, in_registers = true, monotonic = true;
 
     template <class Number>
     static constexpr Number slope() {
@@ -46,25 +46,32 @@ struct leaky_relu_function {
 struct relu6_function {
     static constexpr const char *name = "relu6", *title = "ReLU6", *type = "tactnet::relu6_function",
                                 *header = "tactnet/layers/activations/piecewise.hpp";
+    static constexpr bool takes_vectors = true, in_registers = true, monotonic = true;
 
-    template <class T>
-    static constexpr T value(T x) {
-        return x < 0 ? T(0) : x > 6 ? T(6) : x;
+    template <class Number>
+    static constexpr Number value(const Number& x) {
+        return kernels::at_least(Number(0), kernels::at_most(Number(6), x));
     }
-    template <class T>
-    static constexpr T backward(T y, T gradient) {
-        return y > 0 && y < 6 ? gradient : T(0);
+    template <class Number>
+    static constexpr Number backward(const Number& y, const Number& gradient) {
+        return kernels::choose_lanes(y > Number(0), kernels::choose_lanes(y < Number(6), gradient, Number(0)),
+                                     Number(0));
     }
 };
 
 namespace detail {
 
-/// `middle` between −3 and 3, `below` and `above` elsewhere; NaN stays NaN.
+/// (x + 3) ÷ 6, at most 1. In single precision by a product, within 2 units in the last place: the sum is
+/// exact near −3, and a division would take as long as all the rest.
 template <class Number>
-[[nodiscard]] constexpr Number between(const Number& x, const Number& below, const Number& middle,
-                                       const Number& above) {
-    return kernels::choose_lanes(x > Number(-3), kernels::choose_lanes(x < Number(3), middle, above),
-                                 kernels::choose_lanes(x == x, below, x));
+[[nodiscard]] constexpr Number hard_share(const Number& x) {
+    constexpr auto sixth = [] {
+        if constexpr (std::same_as<Number, double>)
+            return 1.0 / 6;
+        else
+            return 1.0F / 6;
+    }();
+    return kernels::at_most(Number(1), (x + Number(3)) * Number(sixth));
 }
 
 } // namespace detail
@@ -74,12 +81,12 @@ struct hard_sigmoid_function {
     static constexpr const char *name = "hard_sigmoid", *title = "Hard sigmoid",
                                 *type = "tactnet::hard_sigmoid_function",
                                 *header = "tactnet/layers/activations/piecewise.hpp";
-    static constexpr bool takes_vectors = true, moves_zero = true;
+    static constexpr bool takes_vectors = true, in_registers = true, moves_zero = true, monotonic = true;
     static constexpr double largest_value = 1;
 
     template <class Number>
     static constexpr Number value(const Number& x) {
-        return detail::between(x, Number(0), (x + Number(3)) / Number(6), Number(1));
+        return kernels::at_least(Number(0), detail::hard_share(x));
     }
     template <class Number>
     static constexpr Number backward(const Number& y, const Number& gradient) {
@@ -93,15 +100,18 @@ struct hard_swish_function {
     static constexpr const char *name = "hard_swish", *title = "Hard swish",
                                 *type = "tactnet::hard_swish_function",
                                 *header = "tactnet/layers/activations/piecewise.hpp";
-    static constexpr bool takes_vectors = true;
+    static constexpr bool takes_vectors = true, in_registers = true;
 
     template <class Number>
     static constexpr Number value(const Number& x) {
-        return detail::between(x, Number(0), x * ((x + Number(3)) / Number(6)), x);
+        const Number from = kernels::at_least(Number(-3), x); // −∞ times 0 would be NaN
+        return from * detail::hard_share(from);
     }
     template <class Number>
     static constexpr Number backward_from_input(const Number& x, const Number& gradient) {
-        return detail::between(x, Number(0), gradient * ((x + Number(1.5F)) / Number(3)), gradient);
+        const Number between = gradient * ((x + Number(1.5F)) / Number(3));
+        return kernels::choose_lanes(x > Number(-3), kernels::choose_lanes(x < Number(3), between, gradient),
+                                     kernels::choose_lanes(x == x, Number(0), x));
     }
 };
 

@@ -17,6 +17,8 @@ template <class Input, class Output, kernels::frame_convolution Kernel>
 struct convolution_step<eight_bit_between<Input, Output>, Kernel>
     : step_base<eight_bit, shape{Kernel.output_rows(), Kernel.output_columns(), Kernel.filters},
                 Kernel.output_stride()> {
+    static_assert(Kernel.activation == nullptr || Kernel.rectifies(),
+                  "convolution_step: in 8 bits, other activation functions than ReLU are steps of their own");
     static constexpr kernels::frame_convolution kernel = Kernel;
     static constexpr bool fills_map = Kernel.map_stride == 0;
     static constexpr std::size_t weights = Kernel.filters * Kernel.taps();
@@ -91,7 +93,7 @@ public:
         };
         method::pack(weight, to);
         const auto zero_byte = static_cast<double>(maps.output.zero_point);
-        detail::store_byte(to + bytes + lowest, Kernel.relu ? zero_byte : 0);
+        detail::store_byte(to + bytes + lowest, Kernel.rectifies() ? zero_byte : 0);
         detail::store_byte(to + bytes + zero, zero_byte);
         detail::store_byte(to + bytes + padding, static_cast<double>(maps.input.zero_point));
     }
