@@ -146,3 +146,45 @@ TEST_CASE("winograd_integer_method: the largest bytes and weights, as many as a 
     CHECK(tiles_differing<channels(112), extent2d(4)>(numbers_are::largest) == 0);
     CHECK(tiles_differing<of({6, 6, 256}, 4, 2), extent2d(5)>(numbers_are::largest) == 0);
 }
+
+// Dense layers: the same sums as those of the direct method.
+
+namespace {
+
+template <shape Input, std::size_t Outputs, std::size_t Stride = Input.channels, class Output = std::uint8_t,
+          bool Relu = false>
+std::size_t dense_differing(numbers_are kind = numbers_are::drawn) {
+    constexpr frame_convolution c{.window = {Input, {Input.rows, Input.columns}, 1},
+                                  .filters = Outputs,
+                                  .input_stride = Stride,
+                                  .relu = Relu};
+    using method = kernels::dense_integer_method<c, std::uint8_t>;
+    if constexpr (method::applicable)
+        return differing<method, c, std::uint8_t, Output>(kind);
+    else
+        return 0;
+}
+
+} // namespace
+
+TEST_CASE("dense_integer_method: any number of bytes and outputs gives the sums of plain loops") {
+    CHECK(dense_differing<shape{1, 1, 1}, 1>() == 0);
+    CHECK(dense_differing<shape{1, 3, 5}, 4>() == 0);
+    CHECK(dense_differing<shape{2, 2, 16}, 22>() == 0);
+    CHECK(dense_differing<shape{3, 5, 17}, 16>() == 0);
+    CHECK(dense_differing<shape{2, 3, 64}, 25>() == 0);
+    CHECK(dense_differing<shape{1, 1, 200}, 70>() == 0);
+}
+
+TEST_CASE("dense_integer_method: lanes between pixels are not looked at; floats, and the largest numbers") {
+    CHECK(dense_differing<shape{2, 3, 5}, 7, 8>() == 0);
+    CHECK(dense_differing<shape{3, 1, 20}, 22, 32, float>() == 0);
+    CHECK(dense_differing<shape{3, 1, 20}, 22, 32, float, true>() == 0);
+    CHECK(dense_differing<shape{4, 4, 128}, 8>(numbers_are::largest) == 0);
+}
+
+TEST_CASE("dense_integer_method: only kernels as large as the map") {
+    static_assert(!kernels::dense_integer_method<of({3, 4, 8}, 8, 3), std::uint8_t>::applicable);
+    static_assert(!kernels::dense_integer_method<of({3, 3, 8}, 8, 3), std::uint8_t>::applicable);
+    static_assert(!kernels::dense_integer_method<adding(of({1, 1, 8}, 8, 1)), std::uint8_t>::applicable);
+}
