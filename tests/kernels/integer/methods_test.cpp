@@ -36,6 +36,8 @@ TEST_CASE(
                         each({7, 9, 8}, 5), each({8, 9, 12}, 6), each({9, 8, 16}, 7)>() == 0);
     CHECK(all_differing<each({5, 6, 17}, 3), each({4, 5, 24}, 3), each({5, 3, 33}, 3), each({3, 4, 64}, 3),
                         each({6, 4, 70}, extent2d(2, 3)), each({3, 5, 130}, extent2d(3, 5))>() == 0);
+    // The last vector of bytes is half full, with any number of lanes.
+    CHECK(all_differing<each({5, 6, 24}, 3), each({4, 5, 48}, 3), each({5, 6, 96}, 3)>() == 0);
 }
 
 TEST_CASE("depthwise_integer_method: strides and pads give the sums of plain loops") {
