@@ -34,46 +34,33 @@ template <frame_convolution C, class Tiles>
     using bytes = uint8_vec<Tiles::input_width>;
     constexpr std::size_t rows = Tiles::side.rows, columns = Tiles::side.columns;
     constexpr shape image = C.window.input;
-    const words outside = words{} + static_cast<std::int16_t>(padding);
+    std::array<std::uint8_t, Tiles::channels> outside;
+    outside.fill(padding);
     for (std::size_t tile = first; tile < last; ++tile) {
         // Counted with the padding.
         const std::size_t top = tile / Tiles::columns * Tiles::outputs.rows,
                           left = tile % Tiles::columns * Tiles::outputs.columns;
-        std::int16_t* const to = transformed + (tile - first) * Tiles::channels;
-        const auto transform = [&](const auto& pixel) __attribute__((always_inline)) {
-            for (std::size_t channel = 0; channel < Tiles::channels; channel += Tiles::input_width)
-                transform_tile_input<words, rows, columns>(
-                    [&](std::size_t y, std::size_t x) __attribute__((always_inline)) {
-                        const std::uint8_t* const from = pixel(y, x);
-                        return from ? __builtin_convertvector(load_bytes_as<bytes>(from + channel), words)
-                                    : outside;
-                    },
-                    [&](std::size_t y, std::size_t x, const words& element) __attribute__((always_inline)) {
-                        store_any(to + (y * columns + x) * Tiles::band * Tiles::channels + channel, element);
-                    },
-                    integer_input_lines{});
-        };
-        if (top >= C.window.top && top + rows <= C.window.top + image.rows && left >= C.window.left &&
-            left + columns <= C.window.left + image.columns) {
-            const std::uint8_t* const corner =
-                input + ((top - C.window.top) * image.columns + left - C.window.left) * C.input_stride;
-            transform([corner](std::size_t y, std::size_t x) __attribute__((always_inline)) {
-                return corner + (y * image.columns + x) * C.input_stride;
-            });
-            continue;
-        }
         std::array<const std::uint8_t*, Tiles::elements> pixels;
-#pragma GCC unroll 64
+#pragma GCC unroll 1
         for (std::size_t e = 0; e < Tiles::elements; ++e) {
             const std::size_t y = top + e / columns, x = left + e % columns;
             const bool inside = y >= C.window.top && y < C.window.top + image.rows && x >= C.window.left &&
                                 x < C.window.left + image.columns;
             pixels[e] =
                 inside ? input + ((y - C.window.top) * image.columns + x - C.window.left) * C.input_stride
-                       : nullptr;
+                       : outside.data();
         }
-        transform([&pixels](std::size_t y, std::size_t x)
-                      __attribute__((always_inline)) { return pixels[y * columns + x]; });
+        std::int16_t* const to = transformed + (tile - first) * Tiles::channels;
+        for (std::size_t channel = 0; channel < Tiles::channels; channel += Tiles::input_width)
+            transform_tile_input<words, rows, columns>(
+                [&](std::size_t y, std::size_t x) __attribute__((always_inline)) {
+                    return __builtin_convertvector(load_bytes_as<bytes>(pixels[y * columns + x] + channel),
+                                                   words);
+                },
+                [&](std::size_t y, std::size_t x, const words& element) __attribute__((always_inline)) {
+                    store_any(to + (y * columns + x) * Tiles::band * Tiles::channels + channel, element);
+                },
+                integer_input_lines{});
     }
 }
 
