@@ -1,5 +1,6 @@
 // Large networks, deployed and in oneDNN, in turns: one network, batch and number of threads a run. Both must
 // agree before they are timed, and give the same bits afterwards. Memory of both is kept from call to call.
+// With one thread, small networks are also measured in 8 bits, in turns with single precision.
 // Run it pinned to as many idle cores as it has threads; with several threads set OMP_WAIT_POLICY=passive,
 // else oneDNN's waiting threads take cores from the other measurement.
 
@@ -54,9 +55,8 @@ const benchmark::large_network_case& find(const std::string& name) {
     throw std::invalid_argument("expected a network of the list below, found \"" + name + '"');
 }
 
-/// Refuses results that are further apart than rounding explains: a unit roundoff of the largest for every
-/// term of the sums behind one output.
-double check_agreement(const std::vector<float>& ours, const std::vector<float>& theirs, std::size_t terms) {
+/// Refuses results that are further apart than `bound` times the largest, and returns their distance.
+double check_agreement(const std::vector<float>& ours, const std::vector<float>& theirs, double bound) {
     double distance = 0, largest = 0;
     for (std::size_t i = 0; i < ours.size(); ++i) {
         // Written so that NaN does not pass.
@@ -64,8 +64,6 @@ double check_agreement(const std::vector<float>& ours, const std::vector<float>&
         distance = apart <= distance ? distance : apart;
         largest = std::max(largest, std::abs(static_cast<double>(theirs[i])));
     }
-    const double bound =
-        static_cast<double>(std::numeric_limits<float>::epsilon()) / 2 * static_cast<double>(terms);
     if (!(distance <= bound * largest) || largest == 0)
         throw std::runtime_error("expected results within " + std::to_string(bound) +
                                  " of the largest, found " + std::to_string(distance) + " of " +
@@ -91,7 +89,8 @@ struct summary {
     }
 };
 
-void add_line(const options& o, const summary& ours, const summary& theirs, double distance) {
+void add_line(const options& o, const std::string& name, const summary& ours, const summary& theirs,
+              double distance) {
     std::FILE* const file = std::fopen(o.table.c_str(), "a");
     if (!file)
         throw std::runtime_error("cannot write " + o.table);
@@ -100,12 +99,56 @@ void add_line(const options& o, const summary& ours, const summary& theirs, doub
         std::fprintf(file,
                      "network,batch,threads,turns,tactnet_ms,tactnet_spread,tactnet_fastest_ms,onednn_ms,"
                      "onednn_spread,onednn_fastest_ms,ratio,ratio_of_fastest,distance\n");
-    std::fprintf(file, "%s,%zu,%zu,%zu,%.4g,%.3g,%.4g,%.4g,%.3g,%.4g,%.4g,%.4g,%.2g\n", o.network.c_str(),
-                 o.batch, o.threads, o.turns, ours.median, ours.spread, ours.fastest, theirs.median,
-                 theirs.spread, theirs.fastest, theirs.median / ours.median, theirs.fastest / ours.fastest,
-                 distance);
+    std::fprintf(file, "%s,%zu,%zu,%zu,%.4g,%.3g,%.4g,%.4g,%.3g,%.4g,%.4g,%.4g,%.2g\n", name.c_str(), o.batch,
+                 o.threads, o.turns, ours.median, ours.spread, ours.fastest, theirs.median, theirs.spread,
+                 theirs.fastest, theirs.median / ours.median, theirs.fastest / ours.fastest, distance);
     if (std::fclose(file) != 0)
         throw std::runtime_error("cannot write " + o.table);
+}
+
+/// In 8 bits, on frames of bytes; both must be near single precision.
+void measure_8bit(const options& o, const benchmark::large_network& network) {
+    constexpr double byte_tolerance = 0.1; // as in inference.hpp
+    std::vector<std::uint8_t> frames(o.batch * network.inputs);
+    tactnet::random_stream random(3, tactnet::random_purposes::order);
+    for (std::uint8_t& f : frames)
+        f = static_cast<std::uint8_t>(random.uniform(0, 256));
+    const std::vector<float> counts(frames.begin(), frames.end());
+    const auto beside = network.make_beside_8bit(frames);
+    std::vector<float> exact(o.batch * network.outputs), ours(exact.size()), theirs(exact.size());
+    const auto single = [&] { network.deployed(counts, exact); };
+    const auto own = [&] { network.deployed_8bit(frames, ours); };
+    const auto peer = [&] { beside->run(frames, theirs); };
+
+    single(), own(), peer();
+    const double distance = check_agreement(ours, exact, byte_tolerance),
+                 distance_beside = check_agreement(theirs, exact, byte_tolerance);
+    const std::vector<float> first = ours, first_beside = theirs;
+    std::vector<double> times, our_times, their_times, ratios, to_single;
+    for (std::size_t turn = 0; turn < o.turns; ++turn) {
+        times.push_back(milliseconds(single));
+        our_times.push_back(milliseconds(own));
+        their_times.push_back(milliseconds(peer));
+        ratios.push_back(their_times.back() / our_times.back());
+        to_single.push_back(times.back() / our_times.back());
+    }
+    if (ours != first || theirs != first_beside)
+        throw std::runtime_error("results in 8 bits differ from turn to turn");
+    const summary a(our_times), b(their_times);
+    std::printf("in 8 bits: tactnet %.3f ± %.1f %%, onednn %.3f ± %.1f %%, single precision %.3f; distances "
+                "from it %.1e and %.1e\n",
+                a.median, 100 * a.spread, b.median, 100 * b.spread, summary(times).median, distance,
+                distance_beside);
+    const auto print_ratio = [](const char* name, std::vector<double> values) {
+        std::sort(values.begin(), values.end());
+        const std::size_t n = values.size();
+        std::printf("  %s: median %.2f, quartiles %.2f … %.2f\n", name, values[n / 2], values[n / 4],
+                    values[n * 3 / 4]);
+    };
+    print_ratio("onednn ÷ tactnet, both in 8 bits", ratios);
+    print_ratio("tactnet, single precision ÷ 8 bits", to_single);
+    if (!o.table.empty())
+        add_line(o, o.network + " in 8 bits", a, b, distance);
 }
 
 void measure(const options& o) {
@@ -118,7 +161,10 @@ void measure(const options& o) {
     const auto beside = [&] { network.beside->run(frames, theirs); };
 
     deployed(), beside();
-    const double distance = check_agreement(ours, theirs, network.longest_sums);
+    // What rounding explains: a unit roundoff for every term of the sums behind one output.
+    const double distance = check_agreement(ours, theirs,
+                                            static_cast<double>(std::numeric_limits<float>::epsilon()) / 2 *
+                                                static_cast<double>(network.longest_sums));
     const std::vector<float> first = ours, first_beside = theirs;
     std::vector<double> our_times, their_times;
     for (std::size_t turn = 0; turn < o.turns; ++turn) {
@@ -137,7 +183,9 @@ void measure(const options& o) {
                 a.median, 100 * a.spread, a.fastest, b.median, 100 * b.spread, b.fastest, b.median / a.median,
                 b.fastest / a.fastest, distance);
     if (!o.table.empty())
-        add_line(o, a, b, distance);
+        add_line(o, o.network, a, b, distance);
+    if (network.deployed_8bit)
+        measure_8bit(o, network);
 }
 
 } // namespace

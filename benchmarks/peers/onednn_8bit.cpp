@@ -33,6 +33,9 @@ public:
         const std::size_t size = network.maps().front().size();
         for (std::size_t first = 0; first < frames.size(); first += size)
             see(network, frames.subspan(first, size));
+        for (const operation& o : network.operations()) // branches side by side have one scale
+            for (const std::size_t branch : o.inputs)
+                largest[branch] = largest[o.output];
     }
     std::vector<float> largest;
 
@@ -53,9 +56,14 @@ private:
             case operation::kind::dense:
                 continue; // the last one, whose outputs are floats
             case operation::kind::average:
-            case operation::kind::relu:
+                continue; // the last one: adds nothing to the largest numbers
             case operation::kind::concatenation:
-                throw std::invalid_argument("onednn_8bit: expected convolutions, max pools and dense layers");
+                for (const std::size_t branch : o.inputs)
+                    maps[o.output].insert(maps[o.output].end(), maps[branch].begin(), maps[branch].end());
+                break;
+            case operation::kind::relu:
+                throw std::invalid_argument(
+                    "onednn_8bit: expected convolutions, pools, concatenations and dense layers");
             }
             for (const float value : maps[o.output])
                 largest[o.output] = std::max(largest[o.output], std::abs(value));
@@ -110,16 +118,22 @@ public:
         maps_[0] = dnnl::memory(
             {{number(batch), number(in.channels), number(in.rows), number(in.columns)}, type::u8, tag::nchw},
             engine_);
+        const operation& end = network.operations().back();
         for (const operation& o : network.operations()) {
-            const bool last = &o == &network.operations().back();
+            const bool last = &o == &end;
             if (o.what == operation::kind::pool)
-                add_pool(o, batch);
+                add_pool(o, batch, dnnl::algorithm::pooling_max);
+            else if (o.what == operation::kind::average)
+                add_pool(o, batch, dnnl::algorithm::pooling_avg_exclude_padding);
+            else if (o.what == operation::kind::concatenation)
+                add_concatenation(o);
             else if (o.what == operation::kind::dense)
                 add_dense(o, batch, last);
             else
-                add_convolution(o, batch, seen.largest[o.output]);
+                add_convolution(o, batch, seen.largest[o.output],
+                                end.what == operation::kind::average && end.input == o.output);
         }
-        result_ = maps_[network.operations().back().output];
+        result_ = maps_[end.output];
         stream_.wait();
     }
     void run(std::span<const std::uint8_t> frames, std::span<float> logits) override {
@@ -168,11 +182,12 @@ private:
         return whole;
     }
 
-    void add_convolution(const operation& o, std::size_t batch, float largest) {
+    /// `floats`: writes floats, for an average pool at the end.
+    void add_convolution(const operation& o, std::size_t batch, float largest, bool floats) {
         const dims kernel{number(o.to.channels), number(o.from.channels), number(o.window.kernel.rows),
                           number(o.window.kernel.columns)};
-        const type output = o.relu ? type::u8 : type::s8;
-        const float output_scale = largest / (o.relu ? 255.0f : 127.0f);
+        const type output = floats ? type::f32 : o.relu ? type::u8 : type::s8;
+        const float output_scale = floats ? 1 : largest / (o.relu ? 255.0f : 127.0f);
         const whole_numbers whole = quantised(o, scales_[o.input]);
         std::vector<float> factors = whole.units;
         for (float& factor : factors)
@@ -219,9 +234,21 @@ private:
                                                 {DNNL_ARG_BIAS, bias},
                                                 {DNNL_ARG_DST, maps_[o.output]}});
     }
-    void add_pool(const operation& o, std::size_t batch) {
+    void add_concatenation(const operation& o) {
+        std::vector<dnnl::memory::desc> descriptions;
+        std::unordered_map<int, dnnl::memory> arguments;
+        for (const std::size_t branch : o.inputs) {
+            arguments[DNNL_ARG_MULTIPLE_SRC + static_cast<int>(descriptions.size())] = maps_[branch];
+            descriptions.push_back(maps_[branch].get_desc());
+        }
+        const dnnl::concat::primitive_desc chosen(1, descriptions, engine_);
+        maps_[o.output] = arguments[DNNL_ARG_DST] = dnnl::memory(chosen.dst_desc(), engine_);
+        scales_[o.output] = scales_[o.inputs.front()];
+        add(dnnl::concat(chosen), std::move(arguments));
+    }
+    void add_pool(const operation& o, std::size_t batch, dnnl::algorithm how) {
         const dnnl::pooling_forward::desc description(
-            dnnl::prop_kind::forward_inference, dnnl::algorithm::pooling_max, maps_[o.input].get_desc(),
+            dnnl::prop_kind::forward_inference, how, maps_[o.input].get_desc(),
             {shape_of(batch, o.to), maps_[o.input].get_desc().data_type(), tag::any},
             {number(o.window.stride.rows), number(o.window.stride.columns)},
             {number(o.window.kernel.rows), number(o.window.kernel.columns)}, before(o.window),

@@ -13,6 +13,7 @@
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/integer/elementwise.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -51,12 +52,18 @@ struct input_stage<eight_bit, Input> {
         if constexpr (Input.channels == 1) {
             return kernels::counts_to_words(counts, Input.size(), mean, steps, most, words);
         } else {
+            constexpr std::size_t most_pixels = 64;
+            std::array<std::int16_t, most_pixels> some;
             bool fits = true;
-            for (std::size_t at = 0; at < Input.size(); ++at) {
-                const std::size_t channel = at / Input.area(), pixel = at % Input.area();
-                fits &= kernels::counts_to_words(counts + at, 1, mean + at, steps, most,
-                                                 words + pixel * Input.channels + channel);
-            }
+            for (std::size_t channel = 0; channel < Input.channels; ++channel)
+                for (std::size_t first = 0; first < Input.area(); first += most_pixels) {
+                    const std::size_t at = channel * Input.area() + first,
+                                      pixels = std::min(most_pixels, Input.area() - first);
+                    fits &=
+                        kernels::counts_to_words(counts + at, pixels, mean + at, steps, most, some.data());
+                    for (std::size_t pixel = 0; pixel < pixels; ++pixel)
+                        words[(first + pixel) * Input.channels + channel] = some[pixel];
+                }
             return fits;
         }
     }

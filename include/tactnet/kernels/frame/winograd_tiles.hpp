@@ -39,14 +39,17 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
     return ceil_div(tiles, blocks);
 }
 
-/// Whether simd/tile_lines.hpp has transforms for such a tile, it holds whole windows of the pool, and the
-/// input lies in whole vectors.
-[[nodiscard]] constexpr bool tile_possible(const frame_convolution& c, extent2d outputs) {
+/// Whether there are transforms for such a tile, and it holds whole windows of the pool.
+[[nodiscard]] constexpr bool tile_shape_possible(const frame_convolution& c, extent2d outputs) {
     const extent2d side = tile_side(c, outputs);
     return (c.window.kernel == extent2d(3) || c.window.kernel == extent2d(2)) &&
            c.window.stride == extent2d(1) && (c.pool == extent2d(1) || c.pool == extent2d(2)) &&
            outputs.rows % c.pool.rows == 0 && outputs.columns % c.pool.columns == 0 &&
-           std::min(outputs.rows, outputs.columns) >= 2 && std::max(side.rows, side.columns) <= 6 &&
+           std::min(outputs.rows, outputs.columns) >= 2 && std::max(side.rows, side.columns) <= 6;
+}
+/// Whether the input also lies in whole vectors.
+[[nodiscard]] constexpr bool tile_possible(const frame_convolution& c, extent2d outputs) {
+    return tile_shape_possible(c, outputs) &&
            c.input_in_vectors_of(lanes_for<float>(c.window.input.channels));
 }
 /// Whether register blocks have enough sums. Blocks of few sums wait for the weights, unless four tiles share

@@ -134,10 +134,16 @@ struct direct_integer_method {
     }
     template <class Output>
     static void run(const std::int8_t* packed, const integer_epilogue& epilogue, const Input* input,
-                    Output* output, std::uint8_t* workspace) {
-        auto* const staged = reinterpret_cast<typename layout::staged*>(workspace);
+                    Output* output, [[maybe_unused]] std::uint8_t* workspace) {
+        const typename layout::staged* staged = nullptr;
+        if constexpr (layout::in_place) {
+            staged = input;
+        } else {
+            auto* const copy = reinterpret_cast<typename layout::staged*>(workspace);
+            layout::stage(input, copy, static_cast<Input>(epilogue.padding));
+            staged = copy;
+        }
         const auto* const weights = reinterpret_cast<const typename layout::weight*>(packed);
-        layout::stage(input, staged, static_cast<Input>(epilogue.padding));
         const bool padding_counts = offset != 0 || epilogue.padding != 0; // else its taps can be left out
         blocked<layout::vectors, layout::block_vectors>([&](auto vectors, std::size_t first_vector) {
             const std::size_t first = first_vector * layout::width;

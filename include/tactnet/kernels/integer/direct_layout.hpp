@@ -60,7 +60,11 @@ struct direct_integer_layout {
         C.input_stride < group ? std::bit_ceil(C.input_stride) : round_up(C.input_stride, group);
     static constexpr std::size_t pitch = (C.window.input.columns + C.window.left + C.window.right) * stride;
     static constexpr std::size_t rows = C.window.input.rows + C.window.top + C.window.bottom;
-    static constexpr std::size_t staged_elements = rows * pitch + group;
+    /// Whether the input already lies as the staged one would, as under a kernel of 1 × 1.
+    static constexpr bool in_place = std::is_same_v<Input, staged> && stride == C.input_stride &&
+                                     C.window.top + C.window.bottom + C.window.left + C.window.right == 0 &&
+                                     stride % group == 0;
+    static constexpr std::size_t staged_elements = in_place ? 0 : rows * pitch + group;
 
     /// Groups per pixel, columns per group, groups that cover the columns of the kernel.
     static constexpr std::size_t groups_of_pixel = std::max<std::size_t>(stride / group, 1),

@@ -74,18 +74,24 @@ narrow(const std::array<int32_vec<Lanes>, 4>& whole) {
         return reinterpret_cast<bytes>(
             _mm_packus_epi16(_mm_packs_epi32(lane(0), lane(1)), _mm_packs_epi32(lane(2), lane(3))));
     }
+    // GCC 12 takes the lower half of a packed vector for the packed lower half of the first operand; it does
+    // not look through an empty instruction.
 #ifdef __AVX2__
     if constexpr (Lanes == 8) {
         const auto lane = [&](std::size_t v) { return reinterpret_cast<__m256i>(whole[v]); };
-        return reinterpret_cast<bytes>(
-            _mm256_packus_epi16(_mm256_packs_epi32(lane(0), lane(1)), _mm256_packs_epi32(lane(2), lane(3))));
+        __m256i packed =
+            _mm256_packus_epi16(_mm256_packs_epi32(lane(0), lane(1)), _mm256_packs_epi32(lane(2), lane(3)));
+        asm("" : "+x"(packed));
+        return reinterpret_cast<bytes>(packed);
     }
 #endif
 #ifdef __AVX512BW__
     if constexpr (Lanes == 16) {
         const auto lane = [&](std::size_t v) { return reinterpret_cast<__m512i>(whole[v]); };
-        return reinterpret_cast<bytes>(
-            _mm512_packus_epi16(_mm512_packs_epi32(lane(0), lane(1)), _mm512_packs_epi32(lane(2), lane(3))));
+        __m512i packed =
+            _mm512_packus_epi16(_mm512_packs_epi32(lane(0), lane(1)), _mm512_packs_epi32(lane(2), lane(3)));
+        asm("" : "+v"(packed));
+        return reinterpret_cast<bytes>(packed);
     }
 #endif
 #else

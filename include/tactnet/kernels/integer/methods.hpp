@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/integer/dense.hpp>
 #include <tactnet/kernels/integer/depthwise.hpp>
 #include <tactnet/kernels/integer/direct.hpp>
 #include <tactnet/kernels/integer/scalar_depthwise.hpp>
@@ -21,6 +22,7 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 template <frame_convolution C, class Input>
 using integer_method =
     typename method_list<direct_integer_method<C, Input>, winograd_integer_method<C, Input>,
-                         depthwise_integer_method<C, Input>, scalar_depthwise_method<C, Input>>::cheapest;
+                         depthwise_integer_method<C, Input>, scalar_depthwise_method<C, Input>,
+                         dense_integer_method<C, Input>>::cheapest;
 
 }}} // namespace tactnet::kernels

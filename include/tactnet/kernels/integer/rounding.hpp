@@ -132,8 +132,7 @@ struct integer_epilogue {
     template <std::size_t Lanes>
     [[nodiscard]] [[gnu::always_inline]] int32_vec<Lanes> added_term(const std::uint8_t* other,
                                                                      std::size_t vector) const {
-        return __builtin_convertvector(load_bytes_as<uint8_vec<Lanes>>(other), int32_vec<Lanes>) *
-               added_weight<Lanes>(vector);
+        return to_int32<Lanes>(load_bytes_as<uint8_vec<Lanes>>(other)) * added_weight<Lanes>(vector);
     }
     /// sum × factor without rounding, after ReLU if `Rectified`.
     template <std::size_t Lanes, bool Rectified>

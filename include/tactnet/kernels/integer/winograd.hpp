@@ -19,63 +19,55 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 namespace detail {
 
+/// `integer_input_line` as an argument.
+struct integer_input_lines {
+    [[gnu::always_inline]] auto operator()(const auto& d) const { return integer_input_line(d); }
+};
+
 /// transformed[element][tile][channel] = Bᵀ d B of the input tiles [first, last); pixels outside the image
 /// are `padding`.
-template <frame_convolution C>
+template <frame_convolution C, class Tiles>
 [[gnu::flatten, gnu::noinline]] void transform_integer_input(const std::uint8_t* input,
                                                              std::int16_t* transformed, std::size_t first,
                                                              std::size_t last, std::uint8_t padding) {
-    using tiles = integer_tiles<C>;
-    using words = int16_vec<tiles::input_width>;
-    using bytes = uint8_vec<tiles::input_width>;
-    constexpr std::size_t side = tiles::side;
+    using words = int16_vec<Tiles::input_width>;
+    using bytes = uint8_vec<Tiles::input_width>;
+    constexpr std::size_t rows = Tiles::side.rows, columns = Tiles::side.columns;
     constexpr shape image = C.window.input;
-    const words outside = words{} + static_cast<std::int16_t>(padding);
+    std::array<std::uint8_t, Tiles::channels> outside;
+    outside.fill(padding);
     for (std::size_t tile = first; tile < last; ++tile) {
         // Counted with the padding.
-        const std::size_t top = tile / tiles::columns * 2, left = tile % tiles::columns * 2;
-        std::int16_t* const to = transformed + (tile - first) * tiles::channels;
-        const auto transform = [&](const auto& pixel) __attribute__((always_inline)) {
-            for (std::size_t channel = 0; channel < tiles::channels; channel += tiles::input_width)
-                transform_tile_input<words, side, side>(
-                    [&](std::size_t y, std::size_t x) __attribute__((always_inline)) {
-                        const std::uint8_t* const from = pixel(y, x);
-                        return from ? __builtin_convertvector(load_bytes_as<bytes>(from + channel), words)
-                                    : outside;
-                    },
-                    [&](std::size_t y, std::size_t x, const words& element) __attribute__((always_inline)) {
-                        store_any(to + (y * side + x) * tiles::band * tiles::channels + channel, element);
-                    });
-        };
-        if (top >= C.window.top && top + side <= C.window.top + image.rows && left >= C.window.left &&
-            left + side <= C.window.left + image.columns) {
-            const std::uint8_t* const corner =
-                input + ((top - C.window.top) * image.columns + left - C.window.left) * C.input_stride;
-            transform([corner](std::size_t y, std::size_t x) __attribute__((always_inline)) {
-                return corner + (y * image.columns + x) * C.input_stride;
-            });
-            continue;
-        }
-        std::array<const std::uint8_t*, tiles::elements> pixels;
-#pragma GCC unroll 64
-        for (std::size_t e = 0; e < tiles::elements; ++e) {
-            const std::size_t y = top + e / side, x = left + e % side;
+        const std::size_t top = tile / Tiles::columns * Tiles::outputs.rows,
+                          left = tile % Tiles::columns * Tiles::outputs.columns;
+        std::array<const std::uint8_t*, Tiles::elements> pixels;
+#pragma GCC unroll 1
+        for (std::size_t e = 0; e < Tiles::elements; ++e) {
+            const std::size_t y = top + e / columns, x = left + e % columns;
             const bool inside = y >= C.window.top && y < C.window.top + image.rows && x >= C.window.left &&
                                 x < C.window.left + image.columns;
             pixels[e] =
                 inside ? input + ((y - C.window.top) * image.columns + x - C.window.left) * C.input_stride
-                       : nullptr;
+                       : outside.data();
         }
-        transform([&pixels](std::size_t y, std::size_t x)
-                      __attribute__((always_inline)) { return pixels[y * side + x]; });
+        std::int16_t* const to = transformed + (tile - first) * Tiles::channels;
+        for (std::size_t channel = 0; channel < Tiles::channels; channel += Tiles::input_width)
+            transform_tile_input<words, rows, columns>(
+                [&](std::size_t y, std::size_t x) __attribute__((always_inline)) {
+                    return __builtin_convertvector(load_bytes_as<bytes>(pixels[y * columns + x] + channel),
+                                                   words);
+                },
+                [&](std::size_t y, std::size_t x, const words& element) __attribute__((always_inline)) {
+                    store_any(to + (y * columns + x) * Tiles::band * Tiles::channels + channel, element);
+                },
+                integer_input_lines{});
     }
 }
 
 /// products[tile][filter] of one element and `Tiles` tiles: a matrix product over the channels.
-template <frame_convolution C, std::size_t Vectors, std::size_t Tiles>
+template <class tiles, std::size_t Vectors, std::size_t Tiles>
 [[gnu::flatten, gnu::noinline]] void
 multiply_integer_tiles(const std::int16_t* input, const std::int16_t* weights, std::int32_t* products) {
-    using tiles = integer_tiles<C>;
     using words = typename tiles::products;
     using sum = int32_vec<tiles::width>;
     register_block<sum, Tiles, Vectors> sums{};
@@ -98,59 +90,68 @@ multiply_integer_tiles(const std::int16_t* input, const std::int16_t* weights, s
 }
 
 /// Writes the outputs of the tiles [first, last): Aᵀ m A and the epilogue.
-template <frame_convolution C, std::size_t Vectors, class Output>
+template <frame_convolution C, class Tiles, std::size_t Vectors, class Output>
 [[gnu::flatten, gnu::noinline]] void
 transform_integer_output(const std::int32_t* products, const integer_epilogue& epilogue, Output* output,
                          std::size_t first, std::size_t last) {
-    using tiles = integer_tiles<C>;
-    constexpr std::size_t width = tiles::width, side = tiles::side;
+    constexpr std::size_t width = Tiles::width, window = C.pool.area();
+    constexpr std::size_t rows = Tiles::side.rows, columns = Tiles::side.columns, high = Tiles::outputs.rows,
+                          across = Tiles::outputs.columns;
     using sum = int32_vec<width>;
+    using wrapping = typename compiler_vector<std::uint32_t, width>::type;
     for (std::size_t tile = first; tile < last; ++tile) {
-        const std::size_t top = tile / tiles::columns * 2, left = tile % tiles::columns * 2;
-        const bool below = top + 1 < C.rows(), right = left + 1 < C.columns();
-#pragma GCC unroll 64
+        const std::size_t top = tile / Tiles::columns * high, left = tile % Tiles::columns * across;
+        const auto inside = [&](std::size_t row, std::size_t column) __attribute__((always_inline)) {
+            return (C.rows() % high == 0 || top + row < C.rows()) &&
+                   (C.columns() % across == 0 || left + column < C.columns());
+        };
         for (std::size_t v = 0; v < Vectors; ++v) {
-            std::array<sum, side> half[2];
+            std::array<std::array<wrapping, columns>, high> half;
 #pragma GCC unroll 64
-            for (std::size_t x = 0; x < side; ++x) {
-                std::array<sum, side> column;
+            for (std::size_t x = 0; x < columns; ++x) {
+                std::array<wrapping, rows> column;
 #pragma GCC unroll 64
-                for (std::size_t y = 0; y < side; ++y)
-                    column[y] = load_bytes_as<sum>(
-                        products + (((y * side + x) * tiles::band + tile - first) * Vectors + v) * width);
-                const std::array<sum, 2> line = tile_output_line<2>(column);
-                half[0][x] = line[0], half[1][x] = line[1];
+                for (std::size_t y = 0; y < rows; ++y)
+                    column[y] = load_bytes_as<wrapping>(
+                        products + (((y * columns + x) * Tiles::band + tile - first) * Vectors + v) * width);
+                const auto line = integer_output_line<high>(column);
+#pragma GCC unroll 64
+                for (std::size_t y = 0; y < high; ++y)
+                    half[y][x] = line[y];
             }
-            const std::array<sum, 2> upper = tile_output_line<2>(half[0]),
-                                     lower = tile_output_line<2>(half[1]);
-            sum y[4]{upper[0], upper[1], lower[0], lower[1]};
             const sum start = epilogue.start<width>(v);
             const float_vec<width> factors = epilogue.factor<width>(v);
+            std::array<std::array<sum, across>, C.pool.rows> y;
 #pragma GCC unroll 64
-            for (std::size_t i = 0; i < 4; ++i)
-                y[i] = (y[i] >> tiles::excess) + start;
-            if constexpr (C.pool == extent2d(2)) {
-                const auto larger = [](const sum& a, const sum& b) { return a > b ? a : b; };
-                sum largest = y[0];
-                if (right)
-                    largest = larger(y[1], largest);
-                if (below)
-                    largest = larger(y[2], largest);
-                if (right && below)
-                    largest = larger(y[3], largest);
-                epilogue.store<width, C.rectifies()>(output + tile * C.output_stride() + v * width, largest,
-                                                     factors);
-            } else {
+            for (std::size_t row = 0; row < high; ++row) {
+                const auto line = integer_output_line<across>(half[row]);
 #pragma GCC unroll 64
-                for (std::size_t i = 0; i < 4; ++i) {
-                    if ((i / 2 == 1 && !below) || (i % 2 == 1 && !right))
+                for (std::size_t x = 0; x < across; ++x) {
+                    const wrapping exact = Tiles::inverse == 1 ? line[x] : line[x] * Tiles::inverse;
+                    y[row % C.pool.rows][x] = (reinterpret_cast<sum>(exact) >> Tiles::shift) + start;
+                }
+                if ((row + 1) % C.pool.rows != 0)
+                    continue;
+                const std::size_t upper = row + 1 - C.pool.rows;
+#pragma GCC unroll 64
+                for (std::size_t x = 0; x < across; x += C.pool.columns) {
+                    if (!inside(upper, x))
                         continue;
                     Output* const to =
-                        output + ((top + i / 2) * C.output_columns() + left + i % 2) * C.output_stride() +
+                        output +
+                        ((top + upper) / C.pool.rows * C.output_columns() + (left + x) / C.pool.columns) *
+                            C.output_stride() +
                         v * width;
+                    sum largest = y[0][x];
+#pragma GCC unroll 64
+                    for (std::size_t i = 1; i < window; ++i) {
+                        const std::size_t below = i / C.pool.columns, right = x + i % C.pool.columns;
+                        if (inside(upper + below, right))
+                            largest = y[below][right] > largest ? y[below][right] : largest;
+                    }
                     if constexpr (C.accumulates)
-                        y[i] += epilogue.added_term<width>(to, v);
-                    epilogue.store<width, C.rectifies()>(to, y[i], factors);
+                        largest += epilogue.added_term<width>(to, v);
+                    epilogue.store<width, C.rectifies()>(to, largest, factors);
                 }
             }
         }
@@ -159,17 +160,15 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
 
 } // namespace detail
 
-/// Winograd convolution of bytes by tiles of 2 × 2 outputs; groups are one convolution with zeros between
-/// them. Where one instruction multiplies four bytes, the direct method needs fewer.
-template <frame_convolution C, class Input>
-struct winograd_integer_method {
+/// Winograd convolution of bytes by tiles of so many outputs; groups are one convolution with zeros between
+/// them.
+template <frame_convolution C, extent2d Outputs>
+struct integer_tile_method {
     static constexpr frame_convolution convolution = C.ungrouped();
-    using tiles = integer_tiles<convolution>;
+    using tiles = integer_tiles<convolution, Outputs>;
     static constexpr const char* name = "Winograd";
-    static constexpr bool applicable = std::is_same_v<Input, std::uint8_t> && tiles::possible &&
-                                       byte_products<tiles::width>::group < 4 &&
-                                       tiles::block_of(tiles::count) * tiles::block_vectors >= 8;
-    static constexpr std::size_t cost = tiles::cost, packed_elements = tiles::weight_bytes,
+    static constexpr bool applicable = true;
+    static constexpr std::size_t cost = tiles::tiling.cost(), packed_elements = tiles::tiling.weight_bytes(),
                                  workspace_elements = tiles::workspace_bytes;
     static constexpr int offset = 0;
     static constexpr std::size_t filter_places = C.padded_filters();
@@ -177,7 +176,7 @@ struct winograd_integer_method {
 
     template <class Weight>
     static constexpr void pack(const Weight& weight, std::int8_t* to) {
-        pack_integer_tiles<convolution>(ungrouped_weight<C>(weight), to);
+        pack_integer_tiles<convolution, tiles>(ungrouped_weight<C>(weight), to);
     }
     template <class Output>
     static void run(const std::int8_t* packed, const integer_epilogue& epilogue, const std::uint8_t* input,
@@ -186,24 +185,36 @@ struct winograd_integer_method {
         auto* const products = reinterpret_cast<std::int32_t*>(workspace + tiles::transformed_bytes);
         const auto* const weights = reinterpret_cast<const std::int16_t*>(packed);
         blocked<tiles::count, tiles::band>([&](auto band, std::size_t first_tile) {
-            detail::transform_integer_input<convolution>(input, transformed, first_tile, first_tile + band,
-                                                         epilogue.padding);
+            detail::transform_integer_input<convolution, tiles>(input, transformed, first_tile,
+                                                                first_tile + band, epilogue.padding);
             blocked<tiles::vectors, tiles::block_vectors>([&](auto vectors, std::size_t first_vector) {
                 const std::size_t first = first_vector * tiles::width;
                 const std::int16_t* const of_block =
                     weights + first * tiles::elements * tiles::groups * tiles::group;
                 for (std::size_t e = 0; e < tiles::elements; ++e)
                     blocked<band, tiles::block>([&](auto count, std::size_t tile) {
-                        detail::multiply_integer_tiles<convolution, vectors, count>(
+                        detail::multiply_integer_tiles<tiles, vectors, count>(
                             transformed + (e * tiles::band + tile) * tiles::channels,
                             of_block + e * tiles::groups * tiles::group * vectors * tiles::width,
                             products + (e * tiles::band + tile) * vectors * tiles::width);
                     });
-                detail::transform_integer_output<convolution, vectors>(
+                detail::transform_integer_output<convolution, tiles, vectors>(
                     products, epilogue.from(first), output + first, first_tile, first_tile + band);
             });
         });
     }
 };
+
+/// No tile is possible.
+template <frame_convolution C>
+struct integer_tile_method<C, extent2d(0)> {
+    static constexpr bool applicable = false;
+};
+
+/// Winograd convolution by the cheapest tile, for inputs of bytes.
+template <frame_convolution C, class Input>
+struct winograd_integer_method
+    : integer_tile_method<C, std::is_same_v<Input, std::uint8_t> ? best_integer_tile(C.ungrouped())
+                                                                 : extent2d(0)> {};
 
 }}} // namespace tactnet::kernels

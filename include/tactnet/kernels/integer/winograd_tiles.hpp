@@ -2,63 +2,133 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/caches.hpp>
+#include <tactnet/kernels/frame/winograd_tiles.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
-#include <tactnet/kernels/integer/word_products.hpp>
+#include <tactnet/kernels/integer/byte_products.hpp>
+#include <tactnet/kernels/integer/tile_lines.hpp>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 
-// Winograd convolution by tiles of 2 × 2 outputs (kernels/simd/tile_lines.hpp, N = 3 and 4) in integers, for
-// instruction sets that multiply words of 16 bits and not bytes. Transformed inputs are sums of four bytes.
-// The transform of a 3 × 3 kernel is doubled in each direction, so that ½ becomes 1; the outputs are then
-// four times too large and divided by 4 without a remainder. The sums equal those of the direct method.
+// The tiles of Winograd convolutions in integers, for instruction sets that multiply words of 16 bits: which
+// tile is the cheapest, how a convolution is cut into tiles, and how kernels are packed. Outputs of tiles are
+// too large by a constant factor 2ᵏ q, with q = 1, 3 or 9: they are multiplied by the inverse of q modulo 2³²
+// and divided by 2ᵏ without a remainder. The sums equal those of the direct method.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
-/// How a convolution of bytes without groups is cut into tiles.
-template <frame_convolution C>
-struct integer_tiles {
-    static constexpr std::size_t width = std::min(C.width(), max_integer_lanes);
-    using products = word_products<width>;
-    static constexpr std::size_t group = products::group;
-    static constexpr std::size_t vectors = C.padded_filters() / width, block_vectors = C.block_vectors();
+/// The sizes and the cost of a convolution of bytes without groups by tiles of so many outputs.
+struct integer_tiling {
+    frame_convolution c;
+    extent2d outputs;
 
+    /// Inputs that one instruction multiplies.
+    static constexpr std::size_t group = word_products<max_integer_lanes>::group;
+
+    [[nodiscard]] constexpr std::size_t width() const { return std::min(c.width(), max_integer_lanes); }
+    [[nodiscard]] constexpr std::size_t vectors() const { return c.padded_filters() / width(); }
     /// Rows and columns of an input tile, and of the transformed kernel.
-    static constexpr std::size_t side = C.window.kernel.rows + 1, elements = side * side;
-    static constexpr std::size_t rows = (C.rows() + 1) / 2, columns = (C.columns() + 1) / 2;
-    static constexpr std::size_t count = rows * columns;
-    /// The binary logarithm of the factor by which the outputs are too large.
-    static constexpr int excess = C.window.kernel.rows == 3 ? 2 : 0;
-
-    /// Channels per vector of words, and channels of the transformed input.
-    static constexpr std::size_t input_width = [] {
+    [[nodiscard]] constexpr extent2d side() const { return tile_side(c, outputs); }
+    [[nodiscard]] constexpr std::size_t count() const { return tile_count(c, outputs); }
+    /// Vectors of filters in a register block: more if few tiles would leave it empty.
+    [[nodiscard]] constexpr std::size_t block_vectors() const {
+        return count() * 4 < max_block_sums && vectors() % 4 == 0 ? 4 : std::min<std::size_t>(vectors(), 2);
+    }
+    /// Channels per vector of words.
+    [[nodiscard]] constexpr std::size_t input_width() const {
         std::size_t w = std::max<std::size_t>(2 * max_integer_lanes, group);
-        while (C.input_stride % w != 0)
+        while (c.input_stride % w != 0)
             w /= 2;
         return w;
-    }();
-    static constexpr std::size_t channels = round_up(C.window.input.channels, input_width);
-    static constexpr std::size_t groups = ceil_div(C.window.input.channels, group);
-    static constexpr std::size_t block_stride = block_vectors * width;
+    }
+    /// Channels of the transformed input, and groups of channels that are multiplied.
+    [[nodiscard]] constexpr std::size_t channels() const {
+        return round_up(c.window.input.channels, input_width());
+    }
+    [[nodiscard]] constexpr std::size_t groups() const { return ceil_div(c.window.input.channels, group); }
+    /// Bytes of the transformed, packed kernels.
+    [[nodiscard]] constexpr std::size_t weight_bytes() const {
+        return side().area() * groups() * group * c.padded_filters() * sizeof(std::int16_t);
+    }
+    /// The factor by which outputs are too large, and its power of two.
+    [[nodiscard]] constexpr std::uint32_t scale() const {
+        return detail::line_scale(side().rows) * detail::line_scale(side().columns);
+    }
+    [[nodiscard]] constexpr int shift() const { return std::countr_zero(scale()); }
+
+    /// Whether tiles can compute it: lines of them have transforms, groups lie within vectors of channels,
+    /// and sums of products, times the power of two, leave a bit for the sign.
+    [[nodiscard]] constexpr bool possible() const {
+        return max_integer_lanes > 1 && c.groups == 1 && tile_shape_possible(c, outputs) &&
+               input_width() % group == 0 &&
+               std::uint64_t{c.taps()} * 127 * 255 < (std::uint64_t{1} << (31 - shift()));
+    }
+    /// Whether register blocks have enough sums.
+    [[nodiscard]] constexpr bool fills_blocks() const {
+        return tiles_of_block(count(), block_vectors()) * block_vectors() >= 8;
+    }
+    /// Instructions on vectors: products, which wait for weights if there are few tiles, and transforms with
+    /// their loads and stores. A twentieth more than that, since tiles have more weights than taps.
+    [[nodiscard]] constexpr std::size_t cost() const {
+        const std::size_t weight = weight_bytes() > l2_cache_bytes ? far_weight : near_weight,
+                          products = groups() * vectors() * std::max(word_product_cost * count(), weight),
+                          lines = line_cost(side().rows) + line_cost(side().columns),
+                          inputs = (5 + lines) * count() * (channels() / input_width()),
+                          of_outputs = (3 + lines) * count() * vectors();
+        return side().area() * (products + inputs + of_outputs) / 20 * 21;
+    }
+
+private:
+    static constexpr std::size_t near_weight = 3, far_weight = 6;
+    /// What longer lines cost per element in addition to those of four.
+    static constexpr std::size_t line_cost(std::size_t length) { return length > 4 ? length - 3 : 0; }
+};
+
+/// Rows and columns of the outputs of the cheapest tile; 0 if none is possible.
+[[nodiscard]] constexpr extent2d best_integer_tile(const frame_convolution& c) {
+    extent2d best = 0;
+    std::size_t least = 0;
+    for (std::size_t rows = 2; rows <= 5; ++rows)
+        for (std::size_t columns = 2; columns <= 5; ++columns) {
+            const integer_tiling tiling{c, {rows, columns}};
+            if (!tile_shape_possible(c, tiling.outputs) || !tiling.possible() || !tiling.fills_blocks())
+                continue;
+            const std::size_t cost = tiling.cost();
+            if (best == extent2d(0) || cost < least)
+                best = tiling.outputs, least = cost;
+        }
+    return best;
+}
+
+/// How a convolution is cut into tiles.
+template <frame_convolution C, extent2d Outputs>
+struct integer_tiles {
+    static constexpr integer_tiling tiling{C, Outputs};
+    static constexpr extent2d outputs = Outputs, side = tiling.side();
+    static constexpr std::size_t elements = side.area(), width = tiling.width(), vectors = tiling.vectors(),
+                                 block_vectors = tiling.block_vectors(), count = tiling.count(),
+                                 columns = ceil_div(C.columns(), Outputs.columns);
+    using products = word_products<width>;
+    static constexpr std::size_t group = products::group, groups = tiling.groups(),
+                                 input_width = tiling.input_width(), channels = tiling.channels(),
+                                 block_stride = block_vectors * width;
+    static_assert(group == integer_tiling::group);
 
     /// Tiles that are transformed, multiplied and transformed back together: as many as the first level of
     /// cache holds, if the kernels are small enough to be read once per band; else all.
     static constexpr std::size_t band = [] {
         constexpr std::size_t of_a_tile =
             elements * (channels * sizeof(std::int16_t) + block_stride * sizeof(std::int32_t));
-        if (elements * groups * group * C.padded_filters() * sizeof(std::int16_t) > l2_weight_bytes)
+        if (tiling.weight_bytes() > l2_weight_bytes)
             return count;
         constexpr std::size_t most = std::max<std::size_t>(l1_map_bytes / of_a_tile, 8);
         return ceil_div(count, ceil_div(count, most));
     }();
-    /// Tiles per register block, of `tiles` in all: as many as registers allow, evenly spread.
-    static constexpr std::size_t block_of(std::size_t tiles) {
-        constexpr std::size_t most = std::max<std::size_t>(max_block_sums / block_vectors, 1);
-        return ceil_div(tiles, ceil_div(tiles, most));
-    }
-    static constexpr std::size_t block = block_of(band);
+    /// Tiles per register block.
+    static constexpr std::size_t block = tiles_of_block(band, block_vectors);
 
     /// Bytes of the workspace: transformed inputs, then products.
     static constexpr std::size_t transformed_bytes =
@@ -66,67 +136,50 @@ struct integer_tiles {
     static constexpr std::size_t workspace_bytes =
         transformed_bytes +
         pad_to_cache_line<std::uint8_t>(elements * band * block_stride * sizeof(std::int32_t));
-    /// Bytes of the transformed, packed kernels.
-    static constexpr std::size_t weight_bytes =
-        elements * groups * group * C.padded_filters() * sizeof(std::int16_t);
 
-    /// Whether tiles can compute it. Beyond 1024 channels, sums might need more than 31 bits.
-    static constexpr bool possible = (C.window.kernel == extent2d(3) || C.window.kernel == extent2d(2)) &&
-                                     C.window.stride == extent2d(1) && max_integer_lanes > 1 &&
-                                     (C.pool == extent2d(1) || C.pool == extent2d(2)) && C.groups == 1 &&
-                                     input_width % group == 0 && C.window.input.channels <= 1024;
-    /// Operations: a product counts twice, since its sum is another operation; transforms count with their
-    /// loads and stores.
-    static constexpr std::size_t cost = 2 * elements * count * groups * vectors +
-                                        5 * elements * count * (channels / input_width) +
-                                        3 * elements * count * vectors;
+    /// What divides the outputs: a shift, and the inverse of the odd factor modulo 2³² by Newton's iteration.
+    static constexpr int shift = tiling.shift();
+    static constexpr std::uint32_t inverse = [] {
+        const std::uint32_t odd = tiling.scale() >> shift;
+        std::uint32_t x = odd;
+        for (int i = 0; i < 5; ++i)
+            x *= 2 - odd * x;
+        return x;
+    }();
 };
 
 /// Packs transformed kernels in the order of use: blocks of vectors of filters, then [element][group of
 /// channels][filter of the block][channel of the group], words of 16 bits. `weight(filter, channel, row,
 /// column)`.
-template <frame_convolution C, class Weight>
+template <frame_convolution C, class Tiles, class Weight>
 constexpr void pack_integer_tiles(const Weight& weight, std::int8_t* packed) {
-    using tiles = integer_tiles<C>;
-    constexpr std::size_t kernel = tiles::side - 1;
-    // A line of G, doubled for kernels of three, times the numbers of a kernel.
-    const auto transformed = [](std::size_t line, const std::array<int, kernel>& g) {
-        constexpr int times = kernel == 3 ? 2 : 1;
-        if (line == 0)
-            return times * g[0];
-        if (line == kernel)
-            return times * g[kernel - 1];
-        if constexpr (kernel == 2)
-            return g[0] + g[1];
-        else
-            return g[0] + (line == 1 ? g[1] : -g[1]) + g[2];
-    };
-    for (std::size_t first = 0; first < tiles::vectors; first += tiles::block_vectors) {
-        const std::size_t filters = std::min(tiles::block_vectors, tiles::vectors - first) * tiles::width;
-        for (std::size_t channel = 0; channel < tiles::groups * tiles::group; ++channel)
+    constexpr std::size_t kernel = C.window.kernel.rows, group = Tiles::group;
+    constexpr extent2d side = Tiles::side;
+    for (std::size_t first = 0; first < Tiles::vectors; first += Tiles::block_vectors) {
+        const std::size_t filters = std::min(Tiles::block_vectors, Tiles::vectors - first) * Tiles::width;
+        for (std::size_t channel = 0; channel < Tiles::groups * group; ++channel)
             for (std::size_t f = 0; f < filters; ++f) {
-                const std::size_t filter = first * tiles::width + f;
-                std::array<std::array<int, kernel>, tiles::side> half{};
+                const std::size_t filter = first * Tiles::width + f;
+                std::array<std::array<int, kernel>, side.rows> half{};
                 for (std::size_t column = 0;
                      column < kernel && filter < C.filters && channel < C.window.input.channels; ++column) {
                     std::array<int, kernel> g{};
                     for (std::size_t row = 0; row < kernel; ++row)
                         g[row] = weight(filter, channel, row, column);
-                    for (std::size_t line = 0; line < tiles::side; ++line)
-                        half[line][column] = transformed(line, g);
+                    for (std::size_t line = 0; line < side.rows; ++line)
+                        half[line][column] = detail::integer_kernel_element<side.rows>(line, g);
                 }
-                for (std::size_t e = 0; e < tiles::elements; ++e) {
-                    const auto word =
-                        static_cast<std::int16_t>(transformed(e % tiles::side, half[e / tiles::side]));
+                for (std::size_t e = 0; e < Tiles::elements; ++e) {
+                    const auto word = static_cast<std::int16_t>(detail::integer_kernel_element<side.columns>(
+                        e % side.columns, half[e / side.columns]));
                     const auto bytes = tactnet::detail::bits_as<std::array<std::int8_t, 2>>(word);
                     std::int8_t* const to =
                         packed +
-                        2 * (((e * tiles::groups + channel / tiles::group) * filters + f) * tiles::group +
-                             channel % tiles::group);
+                        2 * (((e * Tiles::groups + channel / group) * filters + f) * group + channel % group);
                     to[0] = bytes[0], to[1] = bytes[1];
                 }
             }
-        packed += 2 * tiles::elements * tiles::groups * tiles::group * filters;
+        packed += 2 * Tiles::elements * Tiles::groups * group * filters;
     }
 }
 

@@ -72,6 +72,13 @@ template <class Register>
 
 } // namespace detail
 
+/// Instructions for the products of a group of words and their addition to the sums.
+#if !defined(TACTNET_NO_SIMD) && ((defined(__AVX512VNNI__) && defined(__AVX512VL__)) || defined(__AVXVNNI__))
+inline constexpr std::size_t word_product_cost = 1;
+#else
+inline constexpr std::size_t word_product_cost = 2;
+#endif
+
 /// Products for inputs of 16 bits. The primary template uses no vector instructions.
 template <std::size_t Lanes>
 struct word_products {
@@ -242,7 +249,8 @@ struct word_products<4> {
     }
     [[gnu::always_inline]] static int32_vec<4> add(const int32_vec<4>& sums, const weights& w,
                                                    const inputs& x) {
-        return sums + reinterpret_cast<int32_vec<4>>(wasm_i32x4_dot_i16x8(w, x));
+        return reinterpret_cast<int32_vec<4>>(
+            wasm_i32x4_add(reinterpret_cast<v128_t>(sums), wasm_i32x4_dot_i16x8(w, x)));
     }
 };
 

@@ -149,9 +149,15 @@ template <std::size_t N, class Vector, std::size_t Outputs>
     }
 }
 
-/// Calls store(row, column, element) for each element of Bᵀ d B; load(row, column) returns the elements of d.
-template <class Vector, std::size_t Rows, std::size_t Columns, class Load, class Store>
-[[gnu::always_inline]] inline void transform_tile_input(Load&& load, Store&& store) {
+/// `tile_input_line` as an argument.
+struct tile_input_lines {
+    [[gnu::always_inline]] auto operator()(const auto& d) const { return tile_input_line(d); }
+};
+/// Calls store(row, column, element) for each element of Bᵀ d B; load(row, column) returns the elements of d,
+/// and `transform` the transform of a line.
+template <class Vector, std::size_t Rows, std::size_t Columns, class Load, class Store,
+          class Lines = tile_input_lines>
+[[gnu::always_inline]] inline void transform_tile_input(Load&& load, Store&& store, Lines transform = {}) {
     std::array<std::array<Vector, Columns>, Rows> d;
 #pragma GCC unroll 64
     for (std::size_t x = 0; x < Columns; ++x) {
@@ -159,14 +165,14 @@ template <class Vector, std::size_t Rows, std::size_t Columns, class Load, class
 #pragma GCC unroll 64
         for (std::size_t y = 0; y < Rows; ++y)
             column[y] = load(y, x);
-        const std::array<Vector, Rows> line = tile_input_line(column);
+        const std::array<Vector, Rows> line = transform(column);
 #pragma GCC unroll 64
         for (std::size_t y = 0; y < Rows; ++y)
             d[y][x] = line[y];
     }
 #pragma GCC unroll 64
     for (std::size_t y = 0; y < Rows; ++y) {
-        const std::array<Vector, Columns> line = tile_input_line(d[y]);
+        const std::array<Vector, Columns> line = transform(d[y]);
 #pragma GCC unroll 64
         for (std::size_t x = 0; x < Columns; ++x)
             store(y, x, line[x]);
