@@ -159,7 +159,7 @@ std::size_t dense_differing(numbers_are kind = numbers_are::drawn) {
     constexpr frame_convolution c{.window = {Input, {Input.rows, Input.columns}, 1},
                                   .filters = Outputs,
                                   .input_stride = Stride,
-                                  .relu = Relu};
+                                  .activation = Relu ? fused<relu_function> : nullptr};
     using method = kernels::dense_integer_method<c, std::uint8_t>;
     if constexpr (method::applicable)
         return differing<method, c, std::uint8_t, Output>(kind);

@@ -124,10 +124,10 @@ struct dense_integer_method {
                                                               sums + first);
         });
         for (std::size_t v = 0; v < C.padded_filters() / width; ++v)
-            epilogue.store<width, C.relu>(output + v * width,
-                                          load_bytes_as<int32_vec<width>>(sums + v * width) +
-                                              epilogue.start<width>(v),
-                                          epilogue.factor<width>(v));
+            epilogue.store<width, C.rectifies()>(output + v * width,
+                                                 load_bytes_as<int32_vec<width>>(sums + v * width) +
+                                                     epilogue.start<width>(v),
+                                                 epilogue.factor<width>(v));
     }
 };
 
