@@ -108,7 +108,7 @@ private:
                                      .groups = groups,
                                      .filters = filters,
                                      .pool = pool,
-                                     .relu = activation != nullptr, // the step allows no other function
+                                     .relu = activation != nullptr && activation->rectifies,
                                      .accumulates = accumulates,
                                      .input = input,
                                      .first = map_offset},

@@ -5,6 +5,31 @@
 
 using namespace tactnet;
 
+namespace own {
+
+/// A ReLU of a user, with the members that activation_function.hpp asks for.
+struct relu_function {
+    static constexpr const char *name = "own_relu", *title = "Own ReLU", *type = "own::relu_function",
+                                *header = "";
+    static constexpr bool is_relu = true;
+
+    template <class T>
+    static constexpr T value(T x) {
+        return x < 0 ? T(0) : x;
+    }
+    template <class T>
+    static constexpr T backward(T y, T gradient) {
+        return y > 0 ? gradient : T(0);
+    }
+};
+
+using relu = activation<relu_function>;
+
+} // namespace own
+
+template <>
+struct support::reference_of<own::relu> : reference_of<relu> {};
+
 namespace {
 
 /// Between convolutions and after other activations, at sizes that fill no vector.
@@ -22,6 +47,14 @@ TEST_CASE("deployed: activations within the derived bound") {
     CHECK(support::errors_of<smooth>(51, 5));
     CHECK(support::errors_of<clamped>(52, 5));
     CHECK(support::errors_of<sloped>(55, 5));
+}
+
+TEST_CASE("deployed: a ReLU that is defined outside the library is fused, with the pool after it") {
+    using net =
+        network<shape{7, 9, 2}, conv2d<5, 3>, own::relu, max_pool<2>, conv2d<16, 3>, own::relu, dense<4>>;
+    static_assert(fused<own::relu_function>->in_registers && fused<own::relu_function>->monotonic);
+    CHECK(support::errors_of<net>(57, 5));
+    CHECK(support::frames_that_differ<net>(58, 10) == 0);
 }
 
 TEST_CASE("deployed: activations in 8 bits give the bits of the plain reference") {

@@ -204,3 +204,16 @@ TEST_CASE("convolution_step: which lists of layers fuse an activation function")
     CHECK(steps.operator()<transposed_conv2d<6, 3, 1>, batch_norm, silu>() == 1);
     CHECK(steps.operator()<residual<conv2d<2, 3>>, silu>() == 1);
 }
+
+TEST_CASE("residual_step::output_bound: the function follows the sum of both branches") {
+    constexpr kernels::frame_convolution last{.window = {{2, 3, 4}, 1, 1},
+                                              .filters = 4,
+                                              .input_stride = 4,
+                                              .activation = fused<elu_function<5000>>,
+                                              .accumulates = true};
+    using step = residual_step<convolution_step<single_precision, last>, no_step, 4>;
+    std::vector<float> folded(step::folded_elements);
+    for (std::size_t filter = 0; filter < 4; ++filter)
+        folded[5 * filter] = 1; // the identity: the sum of -0.1 and -0.1, of which the function is -0.91
+    CHECK(step::output_bound(folded.data(), 0.1) >= -elu_function<5000>::value(-0.2));
+}

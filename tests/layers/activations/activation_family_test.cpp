@@ -64,6 +64,18 @@ double worst_error(float end) {
 
 } // namespace
 
+TEST_CASE("gelu: of infinite numbers, the limits") {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    CHECK(gelu_function::value(infinite) == infinite);
+    CHECK(gelu_function::value(-infinite) == 0);
+    alignas(vector_alignment) std::array<float, kernels::lanes<float>> above, below;
+    constexpr float infinite_float = std::numeric_limits<float>::infinity();
+    kernels::store(above.data(), gelu_function::value(kernels::vector<float>(infinite_float)));
+    kernels::store(below.data(), gelu_function::value(kernels::vector<float>(-infinite_float)));
+    CHECK(above[0] == infinite_float);
+    CHECK(below[0] == 0);
+}
+
 TEST_CASE("activations: within their units in the last place") {
     CHECK(worst_error<sigmoid_function>(80) <= 3);
     CHECK(worst_error<silu_function>(80) <= 3);

@@ -25,8 +25,10 @@
 // A lowered layer may fuse the layers after it: `fuse<Spec, Place>()` returns std::type_identity of the
 // lowered layer that includes the next one, or not_fused. For that, a layer describes itself in terms that
 // every lowered layer may understand:
-//   rectifies = true      max(x, 0)
-//   activation            a kernels::fused_activation: a function of each element
+//   rectifies = true      max(x, 0), for norms
+//   activation            a pointer to a kernels::fused_activation, for convolutions:
+//   `tactnet::fused<Function>`.
+//                         A ReLU has both members
 //   channels<Place>       x · factor(channel) + offset: a batch norm; constructible from a parameter_source
 //   maximum<Place>        the sliding_window whose maximum it takes
 // A lowered layer may have further members:

@@ -19,8 +19,9 @@ struct step_description<no_step> {
     static constexpr void visit(auto&& to) { to("tactnet::no_step", "Nothing"); }
 };
 
-/// main(x) + skip(x), with the ReLU after it. The skip is written to the output first, and the main branch's
-/// last convolution adds to it. The input has `InputStride` elements from one pixel to the next.
+/// main(x) + skip(x), with the activation function after it. The skip is written to the output first, and the
+/// main branch's last convolution adds to it. The input has `InputStride` elements from one pixel to the
+/// next.
 template <class Main, class Skip, std::size_t InputStride>
 struct residual_step : step_defaults {
     using format = typename Main::format;
@@ -44,13 +45,19 @@ struct residual_step : step_defaults {
         std::max(Main::workspace_elements, aside + Skip::workspace_elements);
 
     static constexpr bool layerwise = Main::layerwise || Skip::layerwise;
+    static constexpr double largest_output = Main::largest_output;
 
     static constexpr void pack(const float* from, packed_number* to) {
         Main::pack(from, to);
         Skip::pack(from + Main::folded_elements, to + Main::packed_elements);
     }
     static double output_bound(const float* from, double input) {
-        return Main::output_bound(from, input) + Skip::output_bound(from + Main::folded_elements, input);
+        const double sum =
+            Main::output_bound(from, input) + Skip::output_bound(from + Main::folded_elements, input);
+        if constexpr (Main::after_sum != nullptr)
+            return Main::after_sum->output_bound(sum);
+        else
+            return sum;
     }
     static void run(const packed_number* packed_values, const activation* in, activation* out,
                     activation* memory) noexcept {

@@ -58,7 +58,16 @@ struct step_chain : step_defaults {
     static constexpr std::size_t before_last_map = size > 1 ? buffer_index(size - 2) * buffer : 0;
 
     static constexpr bool gives_probabilities = at<size - 1>::gives_probabilities;
-    static constexpr double largest_output = at<size - 1>::largest_output;
+    static constexpr const kernels::fused_activation* after_sum = at<size - 1>::after_sum;
+    /// Of the last step that computes values.
+    static constexpr double largest_output = [] {
+        double largest = step_defaults::largest_output;
+        kernels::unroll<size>([&](auto i) {
+            if (!at<i>::keeps_values)
+                largest = at<i>::largest_output;
+        });
+        return largest;
+    }();
     static constexpr bool layerwise = (Steps::layerwise || ...);
 
     /// Runs once, so that it is not worth the time to compile it for speed.

@@ -48,6 +48,8 @@ struct convolution_step<single_precision, Kernel>
     static constexpr std::size_t folded_elements = weights + Kernel.filters;
     static constexpr std::size_t packed_elements = method::packed_elements;
     static constexpr std::size_t workspace_elements = method::workspace_elements;
+    static constexpr const kernels::fused_activation* after_sum =
+        Kernel.accumulates ? Kernel.activation : nullptr;
     static constexpr double largest_output =
         Kernel.activation != nullptr ? Kernel.activation->largest_value : step_defaults::largest_output;
 
@@ -61,7 +63,7 @@ struct convolution_step<single_precision, Kernel>
     }
     static double output_bound(const float* from, double input) {
         const double sum = detail::largest_sum(from, Kernel.filters, Kernel.taps(), input);
-        if constexpr (Kernel.activation != nullptr)
+        if constexpr (Kernel.activation != nullptr && !Kernel.accumulates)
             return Kernel.activation->output_bound(sum);
         else
             return sum;

@@ -53,6 +53,7 @@ template <class Format, sliding_window Window, extent2d Dilation, extent2d Outpu
           std::size_t InputStride>
 struct phase_merging_step : step_base<Format, shape{Outputs.rows, Outputs.columns, Filters}, InputStride> {
     using number = typename Format::activation;
+    static constexpr bool keeps_values = true;
 
     static void run(const typename Format::packed_number*, const number* in, number* out, number*) noexcept {
         merge<InputStride>(in, out);

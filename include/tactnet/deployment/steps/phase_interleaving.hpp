@@ -27,6 +27,7 @@ struct phase_interleaving_step
     : step_base<Format, shape{Output.rows, Output.columns, Map.channels / Stride.area()},
                 detail::filter_stride<Map.channels / Stride.area()>> {
     using number = typename Format::activation;
+    static constexpr bool keeps_values = true;
     static constexpr std::size_t filters = Map.channels / Stride.area();
 
     static void run(const typename Format::packed_number*, const number* in, number* out, number*) noexcept {

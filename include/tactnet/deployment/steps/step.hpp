@@ -27,6 +27,8 @@
 //   gives_probabilities     true if its outputs are probabilities
 //   number_elements         elements of the map that a number of its output takes, if not one
 //   largest_output          a bound of the magnitude of its outputs, whatever the input
+//   keeps_values            whether it only puts its inputs in other places
+//   after_sum               the activation function that it applies after adding to what its output holds
 // Optional functions:
 //   run_share               computes the share of one thread in several frames
 //   run_batch               computes several frames on an executor (batch_executor.hpp)
@@ -36,6 +38,10 @@
 // The headers in this folder need neither exceptions nor run-time type information nor files.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
+
+namespace kernels {
+struct fused_activation;
+} // namespace kernels
 
 /// The number format of single precision: maps and packed weights are floats. Each step is a template on a
 /// number format and is defined by its specialisations. A further format is a further set of specialisations.
@@ -60,6 +66,8 @@ struct output_stage;
 struct step_defaults {
     static constexpr std::size_t folded_elements = 0, packed_elements = 0, workspace_elements = 0;
     static constexpr bool layerwise = false, fills_map = true, gives_probabilities = false;
+    static constexpr bool keeps_values = false;
+    static constexpr const kernels::fused_activation* after_sum = nullptr;
     static constexpr std::size_t number_elements = 1;
     static constexpr double largest_output = std::numeric_limits<double>::infinity();
 };

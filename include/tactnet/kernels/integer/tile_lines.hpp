@@ -23,8 +23,8 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels::detail {
     return scales[products - 3];
 }
 
-/// Row `line` of the scaled G times the taps of a kernel. Of the last row for N = 6, the factor 24 belongs to
-/// the output transform, since it would not leave 16 bits to weights.
+/// Row `line` of the scaled G times the taps of a kernel. For N = 6, the output transform applies the factor
+/// 24 of the last row: with it, transformed weights would exceed 16 bits.
 template <std::size_t N, std::size_t Kernel>
 [[nodiscard]] constexpr int integer_kernel_element(std::size_t line, const std::array<int, Kernel>& g) {
     static_assert(N >= 3 && N <= 6 && (Kernel == 2 || Kernel == 3));

@@ -64,29 +64,29 @@ template <frame_convolution C, class Tiles>
     }
 }
 
-/// products[tile][filter] of one element and `Tiles` tiles: a matrix product over the channels.
-template <class tiles, std::size_t Vectors, std::size_t Tiles>
+/// products[tile][filter] of one element and `Count` tiles: a matrix product over the channels.
+template <class Tiles, std::size_t Vectors, std::size_t Count>
 [[gnu::flatten, gnu::noinline]] void
 multiply_integer_tiles(const std::int16_t* input, const std::int16_t* weights, std::int32_t* products) {
-    using words = typename tiles::products;
-    using sum = int32_vec<tiles::width>;
-    register_block<sum, Tiles, Vectors> sums{};
-    for (std::size_t g = 0; g < tiles::groups; ++g) {
+    using words = typename Tiles::products;
+    using sum = int32_vec<Tiles::width>;
+    register_block<sum, Count, Vectors> sums{};
+    for (std::size_t g = 0; g < Tiles::groups; ++g) {
         typename words::weights w[Vectors];
 #pragma GCC unroll 64
         for (std::size_t v = 0; v < Vectors; ++v)
-            w[v] = words::load(weights + (g * Vectors + v) * tiles::width * tiles::group);
+            w[v] = words::load(weights + (g * Vectors + v) * Tiles::width * Tiles::group);
 #pragma GCC unroll 64
-        for (std::size_t t = 0; t < Tiles; ++t) {
-            const auto x = words::broadcast(input + t * tiles::channels + g * tiles::group);
+        for (std::size_t t = 0; t < Count; ++t) {
+            const auto x = words::broadcast(input + t * Tiles::channels + g * Tiles::group);
 #pragma GCC unroll 64
             for (std::size_t v = 0; v < Vectors; ++v)
                 sums[t][v] = words::add(sums[t][v], w[v], x);
         }
     }
 #pragma GCC unroll 64
-    for (std::size_t i = 0; i < Tiles * Vectors; ++i)
-        store_any(products + i * tiles::width, sums[i / Vectors][i % Vectors]);
+    for (std::size_t i = 0; i < Count * Vectors; ++i)
+        store_any(products + i * Tiles::width, sums[i / Vectors][i % Vectors]);
 }
 
 /// Writes the outputs of the tiles [first, last): Aᵀ m A and the epilogue.
@@ -98,7 +98,7 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
     constexpr std::size_t rows = Tiles::side.rows, columns = Tiles::side.columns, high = Tiles::outputs.rows,
                           across = Tiles::outputs.columns;
     using sum = int32_vec<width>;
-    using wrapping = typename compiler_vector<std::uint32_t, width>::type;
+    using wrapping = uint32_vec<width>;
     for (std::size_t tile = first; tile < last; ++tile) {
         const std::size_t top = tile / Tiles::columns * high, left = tile % Tiles::columns * across;
         const auto inside = [&](std::size_t row, std::size_t column) __attribute__((always_inline)) {

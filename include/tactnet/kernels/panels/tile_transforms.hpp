@@ -40,7 +40,8 @@ struct tile_outputs {
     bool pooled; ///< by a max pool of 2 × 2
 };
 
-/// Aᵀ m A + bias, the other term of a sum, max pool, ReLU, of the filters [first, last).
+/// Aᵀ m A + bias, the other term of a sum, max pool and ReLU, if any, of the filters [first, last).
+/// `activate_tiles` applies other functions.
 template <std::size_t Outputs>
 [[gnu::flatten, gnu::noinline]] void transform_tile_back(const float* products, std::size_t element_distance,
                                                          const float* bias, std::size_t first,

@@ -46,10 +46,6 @@ struct reduced_exponent {
     }
 };
 
-} // namespace detail
-
-namespace detail {
-
 /// eʳ for |r| ≤ ln 2 ÷ 2, off by less than 2·10⁻⁹ before rounding.
 template <float_vector Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector exponential_near_zero(const Vector& r) {

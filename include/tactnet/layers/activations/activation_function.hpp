@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
-#include <iterator>
+#include <limits>
 #include <type_traits>
 
 // An elementwise activation function, in one struct. From it follow the layer activation<Function>
@@ -41,7 +41,9 @@
 //   moves_zero          true unless value(0) is 0
 //   largest_value       a bound of |value(x)|, for the limit on inputs of networks that multiply by it
 //   takes_vectors       true if the functions take vectors of floats of any width in place of float
-//                       (kernels/simd/float_lanes.hpp, special_functions.hpp): convolutions then fuse it
+//                       (kernels/simd/float_lanes.hpp, special_functions.hpp): convolutions then fuse it.
+//                       If a program links translation units built for different instruction sets, declare
+//                       the function in an inline namespace TACTNET_ARCH, as the library does
 //   in_registers        true if it takes few operations: convolutions then compute it on sums in registers
 //   monotonic           true if, as computed, a larger x never has a smaller value: a max pool after it is
 //                       fused too
@@ -86,7 +88,7 @@ struct activation;
 struct relu_function {
     static constexpr const char *name = "relu", *title = "ReLU", *type = "tactnet::relu_function",
                                 *header = "";
-    static constexpr bool is_relu = true, in_registers = true, monotonic = true;
+    static constexpr bool is_relu = true;
 
     template <class T>
     static constexpr T value(T x) {
@@ -141,12 +143,17 @@ template <class Function>
 template <class Function>
 [[nodiscard]] constexpr kernels::fused_activation describe_fused() {
     kernels::fused_activation fused;
-    if constexpr (takes_vectors<Function>)
+    if constexpr (takes_vectors<Function>) {
+        static_assert(
+            requires(kernels::sized_vector<float, kernels::min_lanes<float>> x) { Function::value(x); },
+            "activation: a function that says takes_vectors takes vectors of every width, so that value is "
+            "a template");
         fused = kernels::fused_activation::with_functions_of<Function>();
+    }
     fused.output_bound = activation_bound<Function>;
-    fused.in_registers = in_registers<Function>;
     fused.rectifies = is_relu<Function>();
-    fused.monotonic = monotonic<Function>;
+    fused.in_registers = fused.rectifies || in_registers<Function>;
+    fused.monotonic = fused.rectifies || monotonic<Function>;
     fused.moves_zero = moves_zero<Function>;
     fused.largest_value = largest_value<Function>();
     fused.title = Function::title, fused.type = Function::type, fused.header = Function::header;

@@ -122,10 +122,10 @@ struct gelu_function {
                                 *header = "tactnet/layers/activations/smooth.hpp";
     static constexpr bool takes_vectors = true;
 
-    /// max(x, 0) − |x| · Φ(−|x|).
+    /// max(x, 0) − |x| · Φ(−|x|). Φ(−40) is 0 in either precision, and infinity times 0 would be NaN.
     template <class Number>
     static constexpr Number value(const Number& x) {
-        return kernels::product_plus(kernels::negative_magnitude(x),
+        return kernels::product_plus(kernels::at_least(Number(-40), kernels::negative_magnitude(x)),
                                      kernels::normal_tail(kernels::magnitude(x)),
                                      kernels::at_least(Number(0), x));
     }
