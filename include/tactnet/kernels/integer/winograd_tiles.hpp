@@ -2,10 +2,10 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/caches.hpp>
-#include <tactnet/kernels/frame/winograd_tiles.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
-#include <tactnet/kernels/integer/byte_products.hpp>
 #include <tactnet/kernels/integer/tile_lines.hpp>
+#include <tactnet/kernels/integer/word_products.hpp>
+#include <tactnet/kernels/tile_shape.hpp>
 
 #include <algorithm>
 #include <array>
@@ -13,10 +13,10 @@
 #include <cstddef>
 #include <cstdint>
 
-// The tiles of Winograd convolutions in integers, for instruction sets that multiply words of 16 bits: which
-// tile is the cheapest, how a convolution is cut into tiles, and how kernels are packed. Outputs of tiles are
-// too large by a constant factor 2ᵏ q, with q = 1, 3 or 9: they are multiplied by the inverse of q modulo 2³²
-// and divided by 2ᵏ without a remainder. The sums equal those of the direct method.
+// The tiles of Winograd convolutions in integers, which multiply words of 16 bits: which tile is the
+// cheapest, how a convolution is cut into tiles, and how kernels are packed. Outputs of tiles are too large
+// by a constant factor 2ᵏ q, with q = 1, 3 or 9: they are multiplied by the inverse of q modulo 2³² and
+// divided by 2ᵏ without a remainder. The sums equal those of the direct method.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
