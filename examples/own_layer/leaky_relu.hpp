@@ -3,8 +3,8 @@
 // An activation function defined outside the library: leaky ReLU (Maas, Hannun, Ng, 2013), x where x > 0 and
 // a small share of x elsewhere, so that no filter stops learning. The library's own tactnet::leaky_relu also
 // takes vectors, so that convolutions fuse it; replace this one by a function that the library does not have.
-// This file is all that it takes to train the layer, to save it, to deploy it in single precision and in 8 bits and to
-// export it. A target that runs an exported network needs this file too.
+// This file is all that it takes to train the layer, to save it, to deploy it in single precision and in 8
+// bits and to export it. A target that runs an exported network needs this file too.
 
 #include <tactnet/layers/activations/activation_function.hpp>
 

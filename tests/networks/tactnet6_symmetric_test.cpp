@@ -12,7 +12,8 @@ template <shape Size>
 struct costs_as_economical {
     using symmetric = tactnet6_symmetric<Size, 22>;
     using economical = tactnet6_economical<Size, 22>;
-    static constexpr bool value = symmetric::outputs == 22 && symmetric::parameters == economical::parameters &&
+    static constexpr bool value = symmetric::outputs == 22 &&
+                                  symmetric::parameters == economical::parameters &&
                                   symmetric::multiply_adds == economical::multiply_adds &&
                                   symmetric::activation_bytes == economical::activation_bytes;
 };
