@@ -59,7 +59,7 @@ struct step_chain : step_defaults {
 
     static constexpr bool gives_probabilities = at<size - 1>::gives_probabilities;
     static constexpr const kernels::fused_activation* after_sum = at<size - 1>::after_sum;
-    /// Of the last step that computes values.
+    /// The bound of the last step that computes values.
     static constexpr double largest_output = [] {
         double largest = step_defaults::largest_output;
         kernels::unroll<size>([&](auto i) {
