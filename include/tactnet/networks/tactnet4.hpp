@@ -5,6 +5,7 @@
 #include <tactnet/networks/published.hpp>
 
 #include <cstddef>
+#include <optional>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
@@ -30,9 +31,18 @@ using tactnet4 = network<Input,                                                 
                          conv2d<32, Form.kernel3>, batch_norm, relu, max_pool<2>, //
                          dense<detail::classes_on<Input.rows, Input.columns, Classes>::count>>;
 
+/// TactNet-4 with kernels of 3 × 3, for images of few tactels: on 8 × 16 it is faster and more accurate than
+/// the published kernels on 7 × 13. Where both sides are multiples of 8, no pool reaches beyond its map.
+template <shape Input, std::size_t Classes>
+using tactnet4_3x3 = tactnet4<Input, Classes, tactnet4_form{.kernel1 = 3, .kernel2 = 3, .kernel3 = 3}>;
+
 /// The authors' training at 28 × 50, for images of any size: nothing else is known about 14 × 25.
 [[nodiscard]] constexpr published_training tactnet4_training(shape) {
     return {.rate = 0.05, .drop_period = 200, .patience = 3};
+}
+/// The settings of the published training: none, since the network was not published.
+[[nodiscard]] constexpr std::optional<published_training> tactnet4_3x3_training(shape) {
+    return {};
 }
 
 }} // namespace tactnet
