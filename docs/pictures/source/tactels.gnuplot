@@ -3,7 +3,7 @@
 # them, `labels` the sizes and `tactels` their numbers of tactels; `caption` says what was measured.
 load "style.gnuplot"
 eval begin("tactels", 640, 960)
-set multiplot layout 3,1 margins 0.135,0.97,0.125,0.945 spacing 0,0.025
+set multiplot layout 3,1 margins 0.135,0.97,0.125,0.93 spacing 0,0.025
 array hue = [orange, blue, green]
 array mark = [5, 7, 9]
 array name[3]
@@ -24,7 +24,7 @@ do for [i = 1:words(tactels)] { set xtics add ("" real(word(tactels, i))) }
 only(series, value) = strcol(1) eq series ? value : NaN
 
 set ylabel "test accuracy, %" offset 1
-set yrange [86:98.5]
+set yrange [85:98.5]
 set key at screen 0.97,0.998 right top horizontal samplen 2 font ",13"
 plot for [i = 1:n] sweep using 2:(only(name[i], $4)) with linespoints pt mark[i] ps 0.6 lw 1.6 lc rgb hue[i] title name[i], \
     for [i = 1:n] "" using 2:(only(name[i], $5)) with linespoints pt mark[i] ps 0.4 lw 1.2 dt (5,4) lc rgb hue[i] notitle, \
