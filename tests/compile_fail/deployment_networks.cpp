@@ -3,6 +3,35 @@
 
 using namespace tactnet;
 
+#ifdef CASE_fused_function_of_one_width
+// expect: activation: a function that says takes_vectors takes vectors of every width, so that value is a template
+struct of_widest_vectors {
+    static constexpr const char *name = "own", *title = "Own", *type = "of_widest_vectors", *header = "";
+    static constexpr bool takes_vectors = true;
+    using number = kernels::vector<float>;
+    static number value(const number& x) { return x + x; }
+    static double value(double x) { return 2 * x; }
+    static number backward(const number&, const number& gradient) { return gradient + gradient; }
+};
+
+using net = network<shape{5, 4, 1}, conv2d<2, 3>, activation<of_widest_vectors>, dense<3>>;
+auto deployed = deploy(net{});
+// Where vectors have one width, the function is as it should be, and nothing is left to test.
+static_assert(kernels::lanes<float> > kernels::min_lanes<float>,
+              "activation: a function that says takes_vectors takes vectors of every width, so that value is "
+              "a template");
+#endif
+
+#ifdef CASE_fused_function_that_moves_zero
+// expect: convolution_step: a function that is not zero at zero needs filters that fill all lanes
+constexpr kernels::frame_convolution convolution{.window =
+                                                     sliding_window::over({5, 4, 16}, 3, 1, padding::same),
+                                                 .filters = 5,
+                                                 .input_stride = 16,
+                                                 .activation = fused<sigmoid_function>};
+constexpr auto elements = convolution_step<single_precision, convolution>::folded_elements;
+#endif
+
 #ifdef CASE_relu_with_an_upper_bound
 // expect: activation: is_relu is true for a ReLU alone, and this function has other values
 struct bounded_relu_function : relu_function {
