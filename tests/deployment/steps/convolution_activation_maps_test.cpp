@@ -180,16 +180,19 @@ std::size_t decreases(float x, std::size_t count) {
     }
     return found;
 }
-/// The same near each of some numbers, of either sign and over all magnitudes: each second power of two, and
-/// 4096 floats about it; 100 000 floats about the numbers at which functions of the library have corners.
+/// The same of 100 000 floats about each number at which functions of the library have corners, of an eighth
+/// of the magnitudes between 2⁻¹⁰ and 16, where the other functions bend, and of a thousandth of all floats.
 template <class Function>
 std::size_t decreases() {
     std::size_t found = 0;
     for (const float corner : {-3.0F, 0.0F, 3.0F, 6.0F})
         found += decreases<Function>(at_place(place_of(corner) - 50'000), 100'000);
-    // Runs overlap by none, so values that fall from one run to the next are counted, too.
-    float below = -std::numeric_limits<float>::infinity();
-    for (std::int64_t place = place_of(below); place < place_of(std::numeric_limits<float>::infinity());
+    for (std::int64_t place = place_of(0x1p-10F); place < place_of(16); place += 8192)
+        found += decreases<Function>(at_place(place), 1024) + decreases<Function>(at_place(-place), 1024);
+    // From one run to the next values must not fall either.
+    const float infinite = std::numeric_limits<float>::infinity();
+    float below = -infinite;
+    for (std::int64_t place = place_of(-infinite); place < place_of(infinite);
          place += std::int64_t{1} << 20) {
         found += decreases<Function>(at_place(place), 1024);
         const float value = value_of<Function>(at_place(place));
