@@ -5,10 +5,13 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <stdexcept>
+#include <support/allocations.hpp>
 #include <support/guarded_map.hpp>
 #include <type_traits>
 #include <vector>
@@ -167,4 +170,23 @@ TEST_CASE("eight_bit: an epsilon that is not above zero is rejected") {
     }
     trained.epsilon = 0;
     CHECK_THROWS_AS((void)support::calibrated(trained, 74, 3), std::invalid_argument);
+}
+
+TEST_CASE("eight_bit: calls of a network with norms use no heap") {
+    using net = network<shape{5, 6}, conv2d<4, 3>, group_norm<2>, relu, conv2d<6, 3>, layer_norm<frame>,
+                        conv2d<4, 1>, layer_norm<channels>, dense<3>>;
+    net trained;
+    support::fill(trained, 75);
+    const support::byte_network<net> network(support::calibrated(trained, 75, 3).folded());
+    const auto memory = std::make_unique<support::byte_network<net>::workspace>();
+    const std::vector<std::uint8_t> counts = support::make_frame(net::input_shape.size(), 76);
+    const tensor_view<const std::uint8_t, net::input_shape> shown(counts.data());
+    std::array<float, net::outputs> out{}, again{};
+    const std::size_t before = support::allocations();
+    const frame_status status = network.infer(shown, out, *memory), on_stack = network.infer(shown, again);
+    CHECK(support::allocations() == before);
+    CHECK(status == frame_status::ok);
+    CHECK(on_stack == frame_status::ok);
+    CHECK(support::same_bits(out, again));
+    CHECK_FALSE(support::same_bits(out, std::array<float, net::outputs>{}));
 }
