@@ -145,8 +145,8 @@ template <class Function>
 void compare_exchanged_at_edges() {
     // By tiles, sums may be rounded otherwise with a pool: by taps.
     constexpr frame_convolution taps = step({10, 11, 3}, 5, 16, 16);
-    compare_exchanged<Function, taps, {3, 2}, false>();
-    compare_exchanged<Function, taps, {3, 2}, true>();
+    compare_exchanged<Function, taps, extent2d(3, 2), false>();
+    compare_exchanged<Function, taps, extent2d(3, 2), true>();
     compare_exchanged<Function, taps, 2, false>();
 }
 
