@@ -1,5 +1,7 @@
 #pragma once
 
+#include "softsign.hpp"
+
 #include <tactnet/deployment/deploy.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
@@ -15,8 +17,8 @@
 
 using small_network = tactnet::tactnet4<tactnet::shape{7, 13}, 5>;
 
-/// Every kind of step, and sizes that fill no vector: then distances between pixels depend on the instruction
-/// set.
+/// Every kind of step, a function of a user's own that a convolution fuses, and sizes that fill no vector:
+/// then distances between pixels depend on the instruction set.
 using mixed_network = tactnet::network<
     tactnet::shape{8, 9, 2}, tactnet::batch_norm, tactnet::conv2d<6, 3, tactnet::extent2d(2, 1)>,
     tactnet::relu,
@@ -42,7 +44,7 @@ using mixed_network = tactnet::network<
     tactnet::average_pool<2, 1>, tactnet::adaptive_max_pool<tactnet::extent2d{3, 2}>, tactnet::upsample<2>,
     tactnet::upsample_to<tactnet::extent2d{2, 3}, tactnet::interpolation::bilinear>,
     tactnet::transposed_conv2d<2, 3, 2>, tactnet::elu<300>, tactnet::dilated_conv2d<5, 3>, tactnet::gelu,
-    tactnet::dense<3>, tactnet::softmax>;
+    tactnet::conv2d<7, 2>, own::softsign<50>, tactnet::dense<3>, tactnet::softmax>;
 
 /// More memory than a stack should hold, a step that is not among those of deployment/, and a function that
 /// only a convolution needs.

@@ -3,6 +3,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <deployment/export/softsign.hpp>
+
 using namespace tactnet;
 
 namespace own {
@@ -29,6 +32,15 @@ using relu = activation<relu_function>;
 
 template <>
 struct support::reference_of<own::relu> : reference_of<relu> {};
+template <unsigned Hundredths>
+struct support::reference_of<own::softsign<Hundredths>> {
+    static constexpr double c = Hundredths / 100.0;
+    static reference_pointer on(extents3 in) {
+        return reference_activation(in,
+                                    {[](double x) { return x / (c + std::abs(x)); },
+                                     [](double x) { return c / std::pow(c + std::abs(x), 2); }, 3, 6, 1 / c});
+    }
+};
 
 namespace {
 
@@ -55,6 +67,38 @@ TEST_CASE("deployed: a ReLU that is defined outside the library is fused, with t
     static_assert(fused<own::relu_function>->in_registers && fused<own::relu_function>->monotonic);
     CHECK(support::errors_of<net>(57, 5));
     CHECK(support::frames_that_differ<net>(58, 10) == 0);
+}
+
+TEST_CASE("deployed: a function of vectors that is defined outside the library is fused, without the pool") {
+    using net = network<shape{7, 9, 2}, conv2d<5, 3>, own::softsign<50>, max_pool<2>, conv2d<16, 3>,
+                        max_pool<2>, own::softsign<120>, dense<4>>;
+    static_assert(!fused<own::softsign_function<50>>->in_registers &&
+                  !fused<own::softsign_function<50>>->monotonic);
+    using steps = lowered_network<net>::step;
+    static_assert(steps::size == 4 && steps::at<0>::kernel.activation == fused<own::softsign_function<50>> &&
+                  steps::at<2>::kernel.activation == fused<own::softsign_function<120>>);
+    CHECK(support::errors_of<net>(59, 5));
+    CHECK(support::frames_that_differ<net>(60, 10) == 0);
+}
+
+TEST_CASE("deployed: activations after sums of two branches, phases, slices and pools that maps cut") {
+    using sums =
+        network<shape{7, 9, 2}, conv2d<6, 3>, residual<sequence<conv2d<9, 3>, relu, conv2d<6, 3>>>, silu,
+                residual<sequence<conv2d<20, 3>, batch_norm>, sequence<conv2d<20, 1>>>, silu, dense<4>>;
+    static_assert(lowered_network<sums>::step::size == 4);
+    CHECK(support::errors_of<sums>(61, 5));
+    using phases = network<shape{4, 5, 2}, conv2d<6, 3>, transposed_conv2d<5, 3, extent2d(2, 1)>, batch_norm,
+                           silu, transposed_conv2d<3, 2, 2>, silu, dense<4>>;
+    CHECK(support::errors_of<phases>(62, 5));
+    using slices = network<shape{7, 6, 3},
+                           concatenation<sequence<conv2d<16, 1>, silu>, sequence<conv2d<5, 3>, gelu>,
+                                         sequence<conv2d<32, 3>, silu>, sequence<conv2d<4, 3>, relu>>,
+                           dense<4>>;
+    CHECK(support::errors_of<slices>(63, 5));
+    using cut =
+        network<shape{9, 11, 2}, conv2d<6, 3>, max_pool<extent2d(2, 3)>, silu, conv2d<6, 3>, leaky_relu<>,
+                max_pool<2>, conv2d<5, 2>, max_pool<2, 2, padding::valid>, gelu, dense<4>>;
+    CHECK(support::errors_of<cut>(64, 5));
 }
 
 TEST_CASE("deployed: activations in 8 bits give the bits of the plain reference") {

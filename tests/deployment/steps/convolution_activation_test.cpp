@@ -1,15 +1,13 @@
-#include <tactnet/deployment.hpp>
+#include "activation_trial.hpp"
+
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
-#include <cstdint>
 #include <string_view>
-#include <support/frame_convolution.hpp>
 #include <type_traits>
 #include <vector>
 
@@ -18,75 +16,16 @@
 
 using namespace tactnet;
 
-namespace {
-
 using kernels::frame_convolution;
 using support::adding;
+using support::in_groups;
+using support::pooled_before;
+using support::same_bits;
 using support::step;
+using support::trial;
+using support::with;
 
-template <class Function>
-constexpr frame_convolution with(frame_convolution c) {
-    c.activation = fused<Function>;
-    return c;
-}
-/// With a max pool after it, before the function.
-constexpr frame_convolution pooled(frame_convolution c, extent2d pool) {
-    c = support::pooled(c, pool);
-    c.activation = nullptr;
-    return c;
-}
-constexpr frame_convolution in_groups(frame_convolution c, std::size_t groups) {
-    c.groups = groups;
-    return c;
-}
-
-std::vector<float> drawn(std::size_t count, float largest, std::uint64_t seed) {
-    std::vector<float> values(count);
-    for (float& value : values)
-        value = largest * support::draw(seed);
-    return values;
-}
-
-/// A convolution on numbers drawn at random, and the outputs of some frames on some threads.
-template <frame_convolution C>
-struct trial {
-    using step = convolution_step<single_precision, C>;
-    static constexpr std::size_t in_size = pad_to_cache_line(C.window.input.area() * C.input_stride),
-                                 out_size = pad_to_cache_line(step::output.area() * step::output_stride);
-    aligned_vector<float> packed = aligned_vector<float>(step::packed_elements), in, out;
-
-    explicit trial(std::size_t frames = 1) {
-        const std::vector<float> folded = drawn(step::folded_elements, 0.7F, 3),
-                                 drawn_inputs = drawn(frames * in_size, 2, 5);
-        step::pack(folded.data(), packed.data());
-        in.assign(drawn_inputs.begin(), drawn_inputs.end());
-        // Lanes without a channel hold zeros.
-        for (std::size_t i = 0; i < in.size(); ++i)
-            if (i % in_size % C.input_stride >= C.window.input.channels)
-                in[i] = 0;
-        out = aligned_vector<float>(frames * out_size);
-        if (C.accumulates)
-            std::copy_n(in.begin(), std::min(in.size(), out.size()), out.begin());
-    }
-    trial& run() {
-        aligned_vector<float> workspace(step::workspace_elements + 1);
-        step::run(packed.data(), in.data(), out.data(), workspace.data());
-        return *this;
-    }
-    /// The function in a step of its own.
-    template <class Function>
-    trial& then() {
-        activation_step<single_precision, Function, step::output, step::output_stride>::run(
-            nullptr, out.data(), out.data(), nullptr);
-        return *this;
-    }
-};
-
-bool same_bits(const aligned_vector<float>& a, const aligned_vector<float>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](float x, float y) {
-        return std::bit_cast<std::uint32_t>(x) == std::bit_cast<std::uint32_t>(y);
-    });
-}
+namespace {
 
 template <class Function, frame_convolution C>
 void compare(std::string_view method) {
@@ -107,19 +46,19 @@ void compare(std::string_view method) {
 template <class Function>
 void compare_methods() {
     compare<Function, step({9, 23, 1}, 5, 8, 1)>("packed pixels");
-    compare<Function, pooled(step({9, 23, 1}, 3, 8, 1), 2)>("packed pixels");
+    compare<Function, pooled_before(step({9, 23, 1}, 3, 8, 1), 2)>("packed pixels");
     compare<Function, step({7, 9, 6}, 3, 24, 16, extent2d(2, 1))>("direct");
     compare<Function, adding(step({5, 6, 16}, 1, 40, 16))>("direct");
-    compare<Function, pooled(step({9, 11, 3}, 5, 20, 16), 2)>("direct");
+    compare<Function, pooled_before(step({9, 11, 3}, 5, 20, 16), 2)>("direct");
     compare<Function, step({14, 25, 32}, 3, 32, 32)>("Winograd");
     compare<Function, step({17, 23, 32}, 3, 32, 32)>("Winograd"); // bands end within a row of tiles
     compare<Function, adding(step({13, 9, 32}, 3, 48, 32))>("Winograd");
-    compare<Function, pooled(step({13, 21, 16}, 3, 32, 16), 2)>("Winograd");
+    compare<Function, pooled_before(step({13, 21, 16}, 3, 32, 16), 2)>("Winograd");
     compare<Function, in_groups(step({9, 11, 16}, 3, 16, 16), 16)>("depthwise");
-    compare<Function, pooled(in_groups(step({9, 11, 32}, 3, 32, 32), 32), 2)>("depthwise");
+    compare<Function, pooled_before(in_groups(step({9, 11, 32}, 3, 32, 32), 32), 2)>("depthwise");
     compare<Function, in_groups(step({6, 9, 32}, 5, 64, 32, 2), 2)>("group by group");
     compare<Function, step({28, 50, 16}, 3, 64, 16)>("panels");
-    compare<Function, pooled(step({30, 41, 32}, 3, 64, 32), 2)>("panels");
+    compare<Function, pooled_before(step({30, 41, 32}, 3, 64, 32), 2)>("panels");
     compare<Function, adding(step({30, 30, 64}, 1, 96, 64))>("panels");
     compare<Function, step({29, 30, 16}, 5, 64, 16)>("panels");
 }

@@ -437,3 +437,4 @@ std::vector<float> reference_outputs(std::span<const float> folded, std::span<co
 } // namespace support
 
 #include <support/layers/whole_reference_maps.hpp>
+#include <support/layers/whole_reference_norms.hpp>

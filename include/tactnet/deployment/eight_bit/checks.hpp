@@ -88,6 +88,9 @@ private:
             for (std::size_t i = 0; i < array.size; ++i)
                 if (array.kind == folded_kind::scales)
                     check_scale(array.name, i, values[i]);
+                else if (array.kind == folded_kind::positive_numbers)
+                    require(values[i] > 0 && values[i] <= std::numeric_limits<float>::max(), array.name, i,
+                            "a finite number above 0", static_cast<double>(values[i]));
                 else
                     require(std::abs(values[i]) <= std::numeric_limits<float>::max(), array.name, i,
                             "a finite number", static_cast<double>(values[i]));

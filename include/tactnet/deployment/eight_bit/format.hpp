@@ -54,10 +54,11 @@ struct map_range {
 
 /// The meaning of the numbers of an array.
 enum class folded_kind {
-    weights, ///< signed bytes times the scale of their filter; the first extent counts the filters
-    numbers, ///< plain numbers
-    scales,  ///< the step of the weights of each filter
-    range    ///< scale and zero point of a map: map_range
+    weights,          ///< signed bytes times the scale of their filter; the first extent counts the filters
+    numbers,          ///< plain numbers
+    positive_numbers, ///< numbers above zero
+    scales,           ///< the step of the weights of each filter
+    range             ///< scale and zero point of a map: map_range
 };
 /// An array of the folded numbers of a step. The array of a range has the name of a map: input, added,
 /// output.
@@ -132,9 +133,10 @@ namespace detail {
 /// also derive from the version that reads bytes, so this is the only error shown.
 template <std::size_t Stride>
 struct cannot_read_the_frame {
-    static_assert(Stride == 0,
-                  "deploy: in 8 bits a network cannot begin with a pool, an upsampling or an activation: a "
-                  "convolution, a dense layer or a batch norm must come first");
+    static_assert(
+        Stride == 0,
+        "deploy: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a norm "
+        "of each frame: a convolution, a dense layer or a batch norm must come first");
 };
 
 } // namespace detail

@@ -10,6 +10,7 @@
 #include <tactnet/deployment/eight_bit/steps/parametric_relu.hpp>
 #include <tactnet/deployment/eight_bit/steps/pooling.hpp>
 #include <tactnet/deployment/eight_bit/steps/resampling.hpp>
+#include <tactnet/deployment/eight_bit/steps/sample_norm.hpp>
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/integer/elementwise.hpp>
 

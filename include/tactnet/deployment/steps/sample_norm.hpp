@@ -14,25 +14,11 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// frame with a weight for each element, or the channels of each pixel.
 enum class sample_norm_kind : unsigned { groups, frame, pixels };
 
-namespace detail {
-
-/// Norms of samples have no such step in other number formats.
-template <class Format, shape Map, std::size_t Stride>
-struct no_sample_norm : step_base<Format, Map, Stride> {
-    static_assert(Stride == 0, "deploy: in 8 bits there is no group, instance or layer norm, whose moments "
-                               "every frame has anew; train with batch_norm, which becomes part of the "
-                               "convolution before it");
-    static void run(const typename Format::packed_number*, const typename Format::activation*,
-                    typename Format::activation*, typename Format::activation*) noexcept {}
-};
-
-} // namespace detail
-
 /// A group, instance or layer norm, with or without ReLU. `Groups` counts the groups of channels, and `Kind`
 /// is a sample_norm_kind. Folded numbers: weights, biases ([channel], or [channel][row][column] for a frame),
 /// epsilon.
 template <class Format, shape Map, std::size_t Stride, unsigned Kind, std::size_t Groups, bool Rectified>
-struct sample_norm_step : detail::no_sample_norm<Format, Map, Stride> {};
+struct sample_norm_step;
 template <class Format, shape Map, std::size_t Stride, unsigned Kind, std::size_t Groups, bool Rectified>
 struct step_description<sample_norm_step<Format, Map, Stride, Kind, Groups, Rectified>> {
     static constexpr const char* header = "tactnet/deployment/steps/sample_norm.hpp";

@@ -144,11 +144,14 @@ template <class Function>
 [[nodiscard]] constexpr kernels::fused_activation describe_fused() {
     kernels::fused_activation fused;
     if constexpr (takes_vectors<Function>) {
-        static_assert(
-            requires(kernels::sized_vector<float, kernels::min_lanes<float>> x) { Function::value(x); },
-            "activation: a function that says takes_vectors takes vectors of every width, so that value is "
-            "a template");
-        fused = kernels::fused_activation::with_functions_of<Function>();
+        constexpr bool every_width = requires(kernels::sized_vector<float, kernels::min_lanes<float>> x) {
+            Function::value(x);
+        };
+        static_assert(every_width,
+                      "activation: a function that says takes_vectors takes vectors of every width, so that "
+                      "value is a template");
+        if constexpr (every_width) // or the sentence would be one of several errors
+            fused = kernels::fused_activation::with_functions_of<Function>();
     }
     fused.output_bound = activation_bound<Function>;
     fused.rectifies = is_relu<Function>();
