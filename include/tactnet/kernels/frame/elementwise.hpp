@@ -2,7 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/elementwise.hpp>
-#include <tactnet/kernels/frame/pooling.hpp>
+#include <tactnet/kernels/frame/pixels.hpp>
 #include <tactnet/kernels/local_response.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/frame/pooling.hpp>
+#include <tactnet/kernels/frame/pixels.hpp>
 
 #include <algorithm>
 #include <array>
