@@ -122,8 +122,8 @@ void normalise_channel_groups(const frame_norm& norm, const float* weights, cons
     for (std::size_t first = 0; first < norm.channels; first += of_group) {
         const double rest = mean_of(memory.sums, memory.sums_rest, first),
                      squares = mean_of(memory.squares, memory.squares_rest, first),
-                     inverse =
-                         1 / std::sqrt(std::max(squares - rest * rest, 0.0) + static_cast<double>(epsilon));
+                     inverse = 1 / std::sqrt(std::max(fused_multiply_add(-rest, rest, squares), 0.0) +
+                                             static_cast<double>(epsilon));
         std::fill_n(memory.scale + first, of_group, static_cast<float>(inverse));
         std::fill_n(memory.shift + first, of_group, static_cast<float>(-rest * inverse));
     }
@@ -187,7 +187,7 @@ void normalise_pixels(const frame_norm& norm, const float* weights, const float*
         center[p] = Vector(in[p * norm.stride]), sum[p] = Vector(0.0F);
     for_each_deviation([&](std::size_t p, const Vector& d) { sum[p] = sum[p] + d; });
     for (std::size_t p = 0; p < Together; ++p) {
-        center[p] = Vector(in[p * norm.stride] + sum_of_lanes(sum[p]) * share);
+        center[p] = Vector(fused_multiply_add(sum_of_lanes(sum[p]), share, in[p * norm.stride]));
         sum[p] = squares[p] = Vector(0.0F);
     }
     for_each_deviation([&](std::size_t p, const Vector& d) {
@@ -195,8 +195,8 @@ void normalise_pixels(const frame_norm& norm, const float* weights, const float*
         squares[p] = fused_multiply_add(d, d, squares[p]);
     });
     for (std::size_t p = 0; p < Together; ++p) {
-        const float mean = sum_of_lanes(sum[p]) * share,
-                    variance = std::max(sum_of_lanes(squares[p]) * share - mean * mean, 0.0F),
+        const float mean = sum_of_lanes(sum[p]) * share, squares_share = sum_of_lanes(squares[p]) * share,
+                    variance = std::max(fused_multiply_add(-mean, mean, squares_share), 0.0F),
                     inverse = 1 / std::sqrt(variance + epsilon);
         scale[p] = Vector(inverse), shift[p] = Vector(-mean * inverse);
     }
