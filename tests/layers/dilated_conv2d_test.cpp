@@ -57,7 +57,10 @@ static_assert(dilated_conv2d<7, 3>::costs({5, 5, 4}) == layer_costs{.output = {5
 static_assert(dilated_conv2d<7, 3, 2, 1, padding::valid>::costs({28, 50, 1}).output == shape{24, 46, 7});
 
 // Neighbouring phases share their zeros: two phases of 14 rows with 1 zero before, between and after them.
-static_assert(kernels::dilated_axis::of(28, 28, 3, 2, 1, 2).pixels() == 2 * 14 + 3);
+// Those at the edges are padding.
+static_assert(kernels::dilated_axis::of(28, 28, 3, 2, 1, 2).pixels() == 2 * 14 + 1);
+static_assert(kernels::dilated_axis::of(28, 28, 3, 2, 1, 2).zeros_before == 1);
+static_assert(kernels::dilated_axis::of(28, 28, 3, 2, 1, 2).zeros_after == 1);
 static_assert(kernels::dilated_axis::of(28, 28, 3, 2, 1, 2).sum_of(27) == 28);
 // Without padding they are side by side.
 static_assert(kernels::dilated_axis::of(28, 24, 3, 2, 1, 0).pixels() == 28);

@@ -9,9 +9,9 @@
 
 // A dilated convolution reads every `dilation`-th pixel. So it is several convolutions without dilation, one
 // for each phase: outputs of equal remainder read pixels of equal remainder. The phases lie side by side in
-// one map, with the zeros of the padding, and a single convolution without padding computes all of them. Two
-// neighbours share the zeros between them. Some outputs of this convolution span two phases; they are left
-// out.
+// one map, and a single convolution computes all of them. Two neighbours share the zeros between them. The
+// zeros at the edges are the padding of this convolution, which multiplies none of them. Some of its outputs
+// span two phases; they are left out.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
@@ -22,6 +22,7 @@ struct dilated_axis {
     std::size_t step;        ///< stride of the convolution of the phases
     std::size_t length = 0;  ///< pixels of the first phase, with zeros, which is the longest
     std::size_t spacing = 0; ///< pixels from the start of one phase to that of the next: whole strides
+    std::size_t zeros_before = 0, zeros_after = 0; ///< of all phases: left to the padding
 
     static constexpr std::size_t none = static_cast<std::size_t>(-1);
 
@@ -37,17 +38,22 @@ struct dilated_axis {
         a.spacing = a.length - std::min(kernel - 1, a.length / 2);
         while (a.spacing % a.step != 0 || a.phases_collide())
             ++a.spacing;
+        const auto more = [&](std::size_t zeros, std::size_t next) {
+            return zeros + 1 < kernel && a.pixels() > 1 && a.padded_input_at(next) == none;
+        };
+        while (more(a.zeros_before, a.zeros_before))
+            ++a.zeros_before;
+        while (more(a.zeros_after, a.padded() - 1 - a.zeros_after))
+            ++a.zeros_after;
         return a;
     }
-    /// The pixels of all phases.
-    [[nodiscard]] constexpr std::size_t pixels() const { return (phases - 1) * spacing + length; }
+    /// The pixels of all phases without the padding.
+    [[nodiscard]] constexpr std::size_t pixels() const { return padded() - zeros_before - zeros_after; }
     /// The outputs of their convolution.
-    [[nodiscard]] constexpr std::size_t sums() const { return (pixels() - kernel) / step + 1; }
+    [[nodiscard]] constexpr std::size_t sums() const { return (padded() - kernel) / step + 1; }
     /// The input in a place of the phases, or none for a zero.
     [[nodiscard]] constexpr std::size_t input_at(std::size_t place) const {
-        const std::size_t phase = std::min(place / spacing, phases - 1);
-        const std::size_t found = input_of(phase, place - phase * spacing);
-        return found != none || phase == 0 ? found : input_of(phase - 1, place - (phase - 1) * spacing);
+        return padded_input_at(zeros_before + place);
     }
     /// Where the convolution of the phases computes an output.
     [[nodiscard]] constexpr std::size_t sum_of(std::size_t output) const {
@@ -63,6 +69,12 @@ struct dilated_axis {
     }
 
 private:
+    [[nodiscard]] constexpr std::size_t padded() const { return (phases - 1) * spacing + length; }
+    [[nodiscard]] constexpr std::size_t padded_input_at(std::size_t place) const {
+        const std::size_t phase = std::min(place / spacing, phases - 1);
+        const std::size_t found = input_of(phase, place - phase * spacing);
+        return found != none || phase == 0 ? found : input_of(phase - 1, place - (phase - 1) * spacing);
+    }
     /// The pixels that the outputs of a phase read, with zeros.
     [[nodiscard]] constexpr std::size_t used(std::size_t phase) const {
         return (outputs - phase - 1) / phases * step + kernel;
@@ -127,6 +139,8 @@ struct dilated_phases {
     using rows = dilated_places<down>;
     using columns = dilated_places<along>;
     static constexpr extent2d step{down.step, along.step};
+    static constexpr padding around =
+        pad(down.zeros_before, down.zeros_after, along.zeros_before, along.zeros_after);
 };
 
 /// Copies the pixels of a map of `InColumns` columns that the tables name, and fills the others.

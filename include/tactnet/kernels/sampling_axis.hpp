@@ -69,22 +69,5 @@ public:
     }();
 };
 
-/// Copies the nearest pixels of a frame, in floats or bytes. `Stride` elements from one pixel to the next, in
-/// both maps.
-template <class Down, class Along, std::size_t Stride, class T>
-void copy_nearest(const T* input, T* output) {
-    constexpr std::size_t row_elements = Along::outputs * Stride;
-    for (std::size_t row = 0; row < Down::outputs; ++row, output += row_elements) {
-        const std::size_t from = Down::table[row].first;
-        if (row > 0 && from == Down::table[row - 1].first) {
-            std::copy_n(output - row_elements, row_elements, output);
-            continue;
-        }
-        for (std::size_t column = 0; column < Along::outputs; ++column)
-            std::copy_n(input + (from * Along::inputs + Along::table[column].first) * Stride, Stride,
-                        output + column * Stride);
-    }
-}
-
 } // namespace kernels
 }} // namespace tactnet

@@ -87,7 +87,7 @@ public:
         using phases = kernels::dilated_phases<window, dilation, extent2d(output.rows, output.columns)>;
         /// The convolution of the phases.
         using convolution =
-            typename conv2d<Filters, kernel, phases::step, padding::valid, Options>::template layer<
+            typename conv2d<Filters, kernel, phases::step, phases::around, Options>::template layer<
                 T, shape{phases::down.pixels(), phases::along.pixels(), Input.channels}>;
 
         struct memory {

@@ -115,6 +115,35 @@ void compare_pool() {
     CHECK(wrong == 0);
 }
 
+template <average_windows W, std::size_t Channels, std::size_t Stride>
+void compare_average() {
+    std::uint64_t state = Stride;
+    constexpr shape size{W.rows.size, W.columns.size, Channels};
+    constexpr std::size_t outputs = W.rows.outputs * W.columns.outputs;
+    support::guarded_map input(size.area() * Stride, NAN, 0), output(outputs * Stride, 12345, NAN);
+    const support::sample in = random_map(size, Stride, 0, input.data(), state);
+    average_frame<W, Stride>(input.data(), output.data());
+    CHECK(output.untouched());
+    std::size_t wrong = 0;
+    W.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t divisor) {
+        const double share = 1 / static_cast<double>(divisor);
+        // One rounding each for the additions, the reciprocal of the divisor and the product.
+        const auto roundings =
+            static_cast<double>((rows.end - rows.begin) * (columns.end - columns.begin) + 1);
+        for (std::size_t c = 0; c < Channels; ++c) {
+            support::bounded mean;
+            for (std::size_t y = rows.begin; y < rows.end; ++y)
+                for (std::size_t x = columns.begin; x < columns.end; ++x) {
+                    const double value = in[c * size.area() + y * size.columns + x].value * share;
+                    mean.value += value, mean.error += std::abs(value);
+                }
+            mean.error *= support::accumulated(support::deployed_roundoff, roundings);
+            wrong += !support::within(static_cast<double>(output.data()[o * Stride + c]), mean);
+        }
+    });
+    CHECK(wrong == 0);
+}
+
 } // namespace
 
 TEST_CASE("dense: outputs and channels that fill vectors and that do not") {
@@ -130,4 +159,23 @@ TEST_CASE("pooling: windows that overlap, keep the image, or reach beyond it") {
     compare_pool<sliding_window::over({7, 9, 20}, 2, 1, padding::same), 32>();
     compare_pool<sliding_window::over({6, 5, 3}, 3, 1, pad(1)), 3>();
     compare_pool<sliding_window::over({8, 4, 5}, extent2d(4, 1), extent2d(3, 2), padding::valid), 8>();
+    compare_pool<sliding_window::over({5, 6, 61}, 3, 1, pad(1)), 64>(); // several vectors side by side
+    compare_pool<sliding_window::over({3, 2, 4}, 5, 1, pad(3)), 4>();   // every window is cut
+    compare_pool<sliding_window::over({9, 12, 16}, extent2d(2, 9), extent2d(1, 2), pad(1)), 16>();
+}
+
+TEST_CASE("pooling: averages of windows that overlap, leave pixels out, or reach beyond the image") {
+    const auto of = [](const sliding_window& window, bool counts_padding = false) {
+        average_windows windows = windows_of(window);
+        windows.counts_padding = counts_padding;
+        return windows;
+    };
+    compare_average<of(sliding_window::over({7, 9, 1}, 3, 1, padding::same)), 12, 16>();
+    compare_average<of(sliding_window::over({7, 9, 1}, 3, 1, pad(1)), true), 61, 64>();
+    compare_average<of(sliding_window::over({6, 7, 1}, 2, 2, padding::same)), 3, 3>();
+    compare_average<of(sliding_window::over({8, 9, 1}, extent2d(1, 2), extent2d(3, 4), padding::valid)), 8,
+                    8>();
+    compare_average<of(sliding_window::over({9, 11, 1}, 7, 2, pad(3)), true), 16, 16>();
+    compare_average<of(sliding_window::over({9, 12, 1}, extent2d(2, 9), extent2d(1, 2), pad(1))), 16, 16>();
+    compare_average<average_windows{{7, 2}, {9, 4}}, 4, 4>();
 }

@@ -113,10 +113,10 @@ struct reference_of<tactnet::dilated_conv2d<Filters, Kernel, Dilation, Stride, P
                                      Kernel.columns,
                                      down.step,
                                      along.step,
-                                     0,
-                                     0,
-                                     0,
-                                     0},
+                                     down.zeros_before,
+                                     down.zeros_after,
+                                     along.zeros_before,
+                                     along.zeros_after},
                                     {},
                                     {}};
         for (std::size_t o = 0; o < down.outputs; ++o)

@@ -200,9 +200,12 @@ reference_pointer reference_dilated_convolution(const reference_dilation& g, std
                 continue;
             const std::size_t pixel = (y - w.top) * w.input.columns + x - w.left;
             plan.taps.push_back({o, tap, pixel});
-            const std::size_t row = place_of(o) / phases.output.columns * g.phases.stride_rows + i,
-                              column = place_of(o) % phases.output.columns * g.phases.stride_columns + j;
-            std::size_t& at = plan.input_at[row * phases.input.columns + column];
+            // The padding of the convolution of the phases holds no pixel.
+            const std::size_t row = place_of(o) / phases.output.columns * g.phases.stride_rows + i -
+                                    g.phases.top,
+                              column = place_of(o) % phases.output.columns * g.phases.stride_columns + j -
+                                       g.phases.left;
+            std::size_t& at = plan.input_at.at(row * phases.input.columns + column);
             if (at != none && at != pixel)
                 throw std::logic_error("reference: phases of a dilated convolution collide");
             at = pixel;

@@ -84,9 +84,10 @@ struct reference_step<
                         column - Window.left >= in.columns)
                         continue;
                     for (std::size_t c = 0; c < in.channels; ++c)
-                        result.whole[result.at(phases::down.sum_of(y) * phases::step.rows + i,
-                                               phases::along.sum_of(x) * phases::step.columns + j, c)] =
-                            in.whole[in.at(row - Window.top, column - Window.left, c)];
+                        result.whole[result.at(
+                            phases::down.sum_of(y) * phases::step.rows + i - phases::down.zeros_before,
+                            phases::along.sum_of(x) * phases::step.columns + j - phases::along.zeros_before,
+                            c)] = in.whole[in.at(row - Window.top, column - Window.left, c)];
                 }
         return result;
     }

@@ -26,7 +26,7 @@ template <interpolation Mode, shape Input, extent2d Output, std::size_t Stride>
 struct resampling_step<single_precision, Mode, Input, Output, Stride>
     : step_base<single_precision, shape{Output.rows, Output.columns, Input.channels}, Stride> {
     static constexpr std::size_t workspace_elements =
-        Mode == interpolation::nearest ? 0 : pad_to_cache_line(Input.columns * Stride);
+        Mode == interpolation::nearest ? 0 : 2 * pad_to_cache_line(Output.columns * Stride);
 
     static void run(const float*, const float* in, float* out, float* memory) noexcept {
         using down = kernels::sampling_axis<Mode, Input.rows, Output.rows>;

@@ -2,7 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/elementwise.hpp>
-#include <tactnet/kernels/frame/pooling.hpp>
+#include <tactnet/kernels/frame/pixels.hpp>
 #include <tactnet/kernels/local_response.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
 
@@ -73,7 +73,7 @@ void scale_negative(std::size_t pixels, const float* slopes, const float* input,
     constexpr std::size_t width = sizeof(wide) / sizeof(float);
     for (std::size_t p = 0; p < pixels; ++p, input += Stride, output += Stride)
         for (std::size_t c = 0; c < Stride; c += width) {
-            const wide x = access::load(input + c), above = access::larger(x, wide(0.0f));
+            const wide x = access::load(input + c), above = access::larger(wide(0.0f), x);
             access::store(output + c, fused_multiply_add(access::load(slopes + c), x - above, above));
         }
 }

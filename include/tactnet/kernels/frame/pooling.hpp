@@ -1,64 +1,19 @@
 #pragma once
 
-#include <tactnet/kernels/simd/compiler_vector.hpp>
-#include <tactnet/kernels/simd/sized_vector.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
+#include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/frame/pixels.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/tensor/pooling_windows.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <type_traits>
 
 // Pooling of one frame that lies pixel by pixel, of floats or bytes: maximum over windows that overlap, which
 // a convolution cannot fuse; averages of floats.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
-
-/// The widest vector that divides the elements of a pixel; a number by itself where none does.
-template <class T, std::size_t Stride>
-[[nodiscard]] constexpr auto pixel_vector() {
-    if constexpr (std::is_same_v<T, std::uint8_t>) {
-        return std::type_identity<uint8_vec<widest_bytes(Stride)>>{};
-    } else if constexpr (Stride % min_lanes<float> != 0) {
-        return std::type_identity<float>{};
-    } else {
-        constexpr std::size_t width = [] {
-            std::size_t w = lanes<float>;
-            while (Stride % w != 0)
-                w /= 2;
-            return w;
-        }();
-        return std::type_identity<sized_vector<float, width>>{};
-    }
-}
-
-/// Loads, stores and compares pixels as `Vector`, which may be float.
-template <class Vector>
-struct pixel_access {
-    static constexpr bool simd = requires(const float* from) { Vector::load_aligned(from); };
-
-    template <class T>
-    [[gnu::always_inline]] static Vector load(const T* from) {
-        if constexpr (simd)
-            return load_as<Vector>(from);
-        else
-            return load_bytes_as<Vector>(from);
-    }
-    template <class T>
-    [[gnu::always_inline]] static void store(T* to, const Vector& value) {
-        if constexpr (simd)
-            store_as(to, value);
-        else
-            store_any(to, value);
-    }
-    [[gnu::always_inline]] static Vector larger(const Vector& a, const Vector& b) {
-        if constexpr (simd)
-            return maximum_or_second(a, b);
-        else
-            return a > b ? a : b;
-    }
-};
 
 /// The largest of the pixels at(row, column), row by row. Several chains do not wait for each other.
 template <std::size_t Chains, class Vector>
@@ -83,37 +38,102 @@ template <std::size_t Chains, class Vector>
     return largest[0];
 }
 
-/// output = the largest value of each window. `Stride` elements from one pixel to the next, in both maps.
-template <sliding_window W, std::size_t Stride, class T>
-[[gnu::flatten]] void pool_frame(const T* input, T* output) {
-    using wide = typename decltype(pixel_vector<T, Stride>())::type;
-    using pixels = pixel_access<wide>;
-    constexpr std::size_t width = sizeof(wide) / sizeof(T);
-    for_each_window<W>([&](std::size_t o, pixel_range rows, pixel_range columns) {
-        const auto at = [&](std::size_t y, std::size_t x, std::size_t channel) {
-            return pixels::load(input + (y * W.input.columns + x) * Stride + channel);
+/// The vectors of channels that reduce_frame keeps side by side for each column, so that it reads memory in
+/// longer pieces: as many as fill the registers.
+[[nodiscard]] constexpr std::size_t vectors_together(std::size_t vectors, std::size_t columns) {
+    std::size_t together = 4;
+    while (together > 1 && (vectors % together != 0 || together * columns > max_block_sums))
+        together /= 2;
+    return together;
+}
+
+/// Reduces each window, first its columns and then these: columns beside each other in several windows are
+/// reduced once. `Stride` elements from one pixel to the next, in both maps; finish(value, divisor) is
+/// stored.
+template <average_windows Windows, std::size_t Stride, class Vector, class T>
+[[gnu::flatten]] void reduce_frame(const T* input, T* output, const auto& combine, const auto& finish) {
+    using pixels = pixel_access<Vector>;
+    constexpr std::size_t width = sizeof(Vector) / sizeof(T), kernel_rows = Windows.rows.kernel,
+                          kernel = Windows.columns.kernel, stride = Windows.columns.stride,
+                          shared = kernel > stride ? kernel - stride : 0, size = Windows.columns.size,
+                          outputs = Windows.columns.outputs, before = Windows.columns.before;
+    // Windows first … end − 1 of a row are not cut at the left or the right.
+    constexpr std::size_t first = std::min(ceil_div(before, stride), outputs),
+                          whole = size + before < kernel ? 0 : (size + before - kernel) / stride + 1,
+                          end = std::clamp(whole, first, outputs);
+    constexpr std::size_t together = vectors_together(Stride / width, kernel);
+    using block = std::array<Vector, together>;
+    const auto load = [](const T* from) __attribute__((always_inline)) {
+        block value;
+#pragma GCC unroll 4
+        for (std::size_t v = 0; v < together; ++v)
+            value[v] = pixels::load(from + v * width);
+        return value;
+    };
+    const auto add = [&](block & value, const block& other) __attribute__((always_inline)) {
+#pragma GCC unroll 4
+        for (std::size_t v = 0; v < together; ++v)
+            value[v] = combine(other[v], value[v]);
+    };
+    const auto reduce_row = [&](std::size_t y, auto row_count, const T* from, T* to) {
+        const auto column = [&](std::size_t x) {
+            block value = load(from + x * Stride);
+            for (std::size_t row = 1; row < row_count; ++row)
+                add(value, load(from + (row * size + x) * Stride));
+            return value;
         };
-        constexpr std::size_t kernel_rows = W.kernel.rows, kernel_columns = W.kernel.columns;
-        constexpr bool many = W.kernel.area() > 16;
-        if (!many && rows.end - rows.begin == kernel_rows && columns.end - columns.begin == kernel_columns) {
-            // Nearly all windows: of known size, unrolled.
-            for (std::size_t channel = 0; channel < Stride; channel += width) {
-                wide largest = at(rows.begin, columns.begin, channel);
+        const auto put = [&](std::size_t x, const block& value, std::size_t divisor) {
+#pragma GCC unroll 4
+            for (std::size_t v = 0; v < together; ++v)
+                pixels::store(to + x * Stride + v * width, finish(value[v], divisor));
+        };
+        const auto reduce_cut = [&](std::size_t x) {
+            const pixel_range columns = Windows.columns.pixels(x);
+            block value = column(columns.begin);
+            for (std::size_t c = columns.begin + 1; c < columns.end; ++c)
+                add(value, column(c));
+            put(x, value, Windows.divisor(y, x));
+        };
+        for (std::size_t x = 0; x < first; ++x)
+            reduce_cut(x);
+        if constexpr (first < end) {
+            const std::size_t divisor = Windows.divisor(y, first);
+            std::array<block, kernel> columns;
 #pragma GCC unroll 8
-                for (std::size_t y = 0; y < kernel_rows; ++y)
+            for (std::size_t c = 0; c < shared; ++c)
+                columns[stride + c] = column(first * stride - before + c);
+            for (std::size_t x = first; x < end; ++x) {
 #pragma GCC unroll 8
-                    for (std::size_t x = 0; x < kernel_columns; ++x)
-                        largest = pixels::larger(at(rows.begin + y, columns.begin + x, channel), largest);
-                pixels::store(output + o * Stride + channel, largest);
+                for (std::size_t c = 0; c < kernel; ++c)
+                    columns[c] = c < shared ? columns[stride + c] : column(x * stride - before + c);
+                block value = columns[0];
+#pragma GCC unroll 8
+                for (std::size_t c = 1; c < kernel; ++c)
+                    add(value, columns[c]);
+                put(x, value, divisor);
             }
-            return;
         }
-        for (std::size_t channel = 0; channel < Stride; channel += width) {
-            const auto here = [&](std::size_t y, std::size_t x) { return at(y, x, channel); };
-            pixels::store(output + o * Stride + channel, largest_of < many ? 4 : 1,
-                          wide > (rows, columns, here));
+        for (std::size_t x = end; x < outputs; ++x)
+            reduce_cut(x);
+    };
+    for (std::size_t y = 0; y < Windows.rows.outputs; ++y) {
+        const pixel_range rows = Windows.rows.pixels(y);
+        for (std::size_t channel = 0; channel < Stride; channel += together * width) {
+            const T* const from = input + rows.begin * size * Stride + channel;
+            T* const to = output + y * outputs * Stride + channel;
+            if (rows.end - rows.begin == kernel_rows)
+                reduce_row(y, std::integral_constant<std::size_t, kernel_rows>{}, from, to);
+            else
+                reduce_row(y, rows.end - rows.begin, from, to);
         }
-    });
+    }
+}
+
+/// Whether reduce_frame keeps the columns of a window in registers.
+[[nodiscard]] constexpr bool reduces_columns(const average_windows& windows) {
+    constexpr std::size_t most = 8;
+    return windows.rows.kernel > 0 && windows.columns.kernel > 0 && windows.rows.kernel <= most &&
+           windows.columns.kernel <= most;
 }
 
 /// `Vector` divides `stride`: one instantiation for each.
@@ -134,6 +154,18 @@ void largest_pixels(const average_windows& bins, std::size_t stride, const T* in
 template <std::size_t Stride, class T>
 void pool_frame(const average_windows& bins, const T* input, T* output) {
     largest_pixels<typename decltype(pixel_vector<T, Stride>())::type>(bins, Stride, input, output);
+}
+/// output = the largest value of each window.
+template <sliding_window W, std::size_t Stride, class T>
+void pool_frame(const T* input, T* output) {
+    using wide = typename decltype(pixel_vector<T, Stride>())::type;
+    constexpr average_windows windows = windows_of(W);
+    if constexpr (reduces_columns(windows))
+        reduce_frame<windows, Stride, wide>(
+            input, output, [](const wide& a, const wide& b) { return pixel_access<wide>::larger(a, b); },
+            [](const wide& value, std::size_t) { return value; });
+    else
+        largest_pixels<wide>(windows, Stride, input, output);
 }
 
 /// `Vector` divides `stride`: one instantiation for each. Sums of several vectors side by side do not wait
@@ -172,38 +204,14 @@ void average_pixels(const average_windows& windows, std::size_t stride, const fl
 template <average_windows Windows, std::size_t Stride>
 void average_frame(const float* input, float* output) {
     using wide = typename decltype(pixel_vector<float, Stride>())::type;
-    using access = pixel_access<wide>;
-    constexpr std::size_t width = sizeof(wide) / sizeof(float), kernel_rows = Windows.rows.kernel,
-                          kernel_columns = Windows.columns.kernel;
-    if constexpr (kernel_rows == 0 || kernel_columns == 0 || kernel_rows * kernel_columns > 16) {
+    if constexpr (reduces_columns(Windows))
+        reduce_frame<Windows, Stride, wide>(
+            input, output, [](const wide& a, const wide& b) { return a + b; },
+            [](const wide& sum, std::size_t divisor) {
+                return sum * wide(1 / static_cast<float>(divisor)); // divisions would take longer than sums
+            });
+    else
         average_pixels<wide>(Windows, Stride, input, output);
-    } else {
-        // Nearly all windows are whole: unrolled, so that the processor works on several at a time.
-        Windows.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t divisor) {
-            const float* const from = input + (rows.begin * Windows.columns.size + columns.begin) * Stride;
-            const bool whole =
-                rows.end - rows.begin == kernel_rows && columns.end - columns.begin == kernel_columns;
-            const wide count(static_cast<float>(divisor));
-            for (std::size_t channel = 0; channel < Stride; channel += width) {
-                wide sum(0.0f);
-                const auto add = [&](std::size_t y, std::size_t x) __attribute__((always_inline)) {
-                    sum = sum + access::load(from + (y * Windows.columns.size + x) * Stride + channel);
-                };
-                if (whole) {
-#pragma GCC unroll 16
-                    for (std::size_t y = 0; y < kernel_rows; ++y)
-#pragma GCC unroll 16
-                        for (std::size_t x = 0; x < kernel_columns; ++x)
-                            add(y, x);
-                } else {
-                    for (std::size_t y = 0; y < rows.end - rows.begin; ++y)
-                        for (std::size_t x = 0; x < columns.end - columns.begin; ++x)
-                            add(y, x);
-                }
-                access::store(output + o * Stride + channel, sum / count);
-            }
-        });
-    }
 }
 
 }}} // namespace tactnet::kernels

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <tactnet/kernels/frame/pooling.hpp>
+#include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/frame/pixels.hpp>
 
 #include <algorithm>
 #include <array>
@@ -23,21 +24,14 @@ struct frame_norm {
     bool rectified = false;               ///< with a ReLU after it
 };
 
-/// A sum, and the rounding errors of its additions (Knuth's TwoSum).
+/// Adds x to a sum, and the rounding error to the rest (Knuth's TwoSum).
 template <class Vector>
-struct exact_sum {
-    Vector sum = Vector(0.0F), rest = Vector(0.0F);
-
-    [[gnu::always_inline]] void add(const Vector& x) {
-        const Vector total = sum + x, added = total - sum;
-        rest = rest + ((sum - (total - added)) + (x - added));
-        sum = total;
-    }
-    [[gnu::always_inline]] void store(float* to, float* to_rest) const {
-        pixel_access<Vector>::store(to, sum);
-        pixel_access<Vector>::store(to_rest, rest);
-    }
-};
+[[gnu::always_inline]] inline void add_exactly(const Vector& x, float* to, float* to_rest) {
+    using access = pixel_access<Vector>;
+    const Vector sum = access::load(to), total = sum + x, added = total - sum;
+    access::store(to_rest, access::load(to_rest) + ((sum - (total - added)) + (x - added)));
+    access::store(to, total);
+}
 
 /// What a group norm keeps of each channel while it runs, in arrays of `room` elements. `scale` and `shift`
 /// bring x − center to the norm, before weight and bias.
@@ -55,26 +49,41 @@ struct group_norm_memory {
           squares_rest(squares + room) {}
 };
 
-/// Sets the sums of x − center over all pixels, and of the squares, for each lane of a pixel.
-template <class Vector>
+/// Sets the sums of x − center over all pixels for each lane of a pixel, from the first pixel to the last, or
+/// these and the sums of the squares, from the last to the first: the first-level cache still holds a part.
+template <bool Squares, class Vector>
 void sum_deviations(const frame_norm& norm, const float* in, const group_norm_memory& memory) {
-    constexpr std::size_t width = sizeof(Vector) / sizeof(float), plain_terms = 16;
+    // Chains of plain sums do not wait for each other: at most 16 roundings in a run, with those of the
+    // chains.
+    constexpr std::size_t width = sizeof(Vector) / sizeof(float), chains = 4, plain_terms = 12 * chains;
     using access = pixel_access<Vector>;
-    for (std::size_t v = 0; v < norm.stride; v += width) {
-        const Vector center = access::load(memory.center + v);
-        exact_sum<Vector> sums, squares;
-        for (std::size_t first = 0; first < norm.pixels; first += plain_terms) {
-            const std::size_t end = std::min(first + plain_terms, norm.pixels);
-            Vector run(0.0F), run_squares(0.0F);
-            for (std::size_t p = first; p < end; ++p) {
+    std::fill_n(memory.sums, norm.stride, 0.0F), std::fill_n(memory.sums_rest, norm.stride, 0.0F);
+    std::fill_n(memory.squares, norm.stride, 0.0F), std::fill_n(memory.squares_rest, norm.stride, 0.0F);
+    const std::size_t runs = ceil_div(norm.pixels, plain_terms);
+    for (std::size_t i = 0; i < runs; ++i) {
+        const std::size_t first = (Squares ? runs - 1 - i : i) * plain_terms,
+                          end = std::min(first + plain_terms, norm.pixels);
+        for (std::size_t v = 0; v < norm.stride; v += width) {
+            const Vector center = access::load(memory.center + v);
+            std::array<Vector, chains> run, run_squares;
+            run.fill(Vector(0.0F)), run_squares.fill(Vector(0.0F));
+            const auto add = [&](std::size_t chain, std::size_t p) __attribute__((always_inline)) {
                 const Vector d = access::load(in + p * norm.stride + v) - center;
-                run = run + d;
-                run_squares = fused_multiply_add(d, d, run_squares);
-            }
-            sums.add(run), squares.add(run_squares);
+                run[chain] = run[chain] + d;
+                run_squares[chain] = fused_multiply_add(d, d, run_squares[chain]);
+            };
+            std::size_t p = first;
+            for (; p + chains <= end; p += chains)
+#pragma GCC unroll 4
+                for (std::size_t chain = 0; chain < chains; ++chain)
+                    add(chain, p + chain);
+            for (; p < end; ++p)
+                add(0, p);
+            add_exactly((run[0] + run[1]) + (run[2] + run[3]), memory.sums + v, memory.sums_rest + v);
+            if constexpr (Squares)
+                add_exactly((run_squares[0] + run_squares[1]) + (run_squares[2] + run_squares[3]),
+                            memory.squares + v, memory.squares_rest + v);
         }
-        sums.store(memory.sums + v, memory.sums_rest + v);
-        squares.store(memory.squares + v, memory.squares_rest + v);
     }
 }
 
@@ -93,28 +102,28 @@ void normalise_channel_groups(const frame_norm& norm, const float* weights, cons
     const std::size_t of_group = norm.channels / norm.groups;
     const double count = static_cast<double>(of_group * norm.pixels);
     const auto mean_of = [&](const float* sums, const float* rests, std::size_t first) {
-        double sum = 0;
-        for (std::size_t c = first; c < first + of_group; ++c)
-            sum += static_cast<double>(sums[c]) + static_cast<double>(rests[c]);
-        return sum / count;
+        std::array<double, 4> chains{};
+        for (std::size_t c = 0; c < of_group; ++c)
+            chains[c % 4] += static_cast<double>(sums[first + c]) + static_cast<double>(rests[first + c]);
+        return ((chains[0] + chains[1]) + (chains[2] + chains[3])) / count;
     };
     // A rough mean, from the first value of each group.
     std::fill_n(memory.center, norm.stride, 0.0F);
-    for (std::size_t c = 0; c < norm.channels; ++c)
-        memory.center[c] = in[c / of_group * of_group];
-    sum_deviations<Vector>(norm, in, memory);
+    for (std::size_t first = 0; first < norm.channels; first += of_group)
+        std::fill_n(memory.center + first, of_group, in[first]);
+    sum_deviations<false, Vector>(norm, in, memory);
     for (std::size_t first = 0; first < norm.channels; first += of_group)
         std::fill_n(memory.center + first, of_group,
                     static_cast<float>(static_cast<double>(memory.center[first]) +
                                        mean_of(memory.sums, memory.sums_rest, first)));
-    sum_deviations<Vector>(norm, in, memory);
+    sum_deviations<true, Vector>(norm, in, memory);
     std::fill_n(memory.scale, norm.stride, 0.0F);
     std::fill_n(memory.shift, norm.stride, 0.0F);
     for (std::size_t first = 0; first < norm.channels; first += of_group) {
         const double rest = mean_of(memory.sums, memory.sums_rest, first),
                      squares = mean_of(memory.squares, memory.squares_rest, first),
-                     inverse =
-                         1 / std::sqrt(std::max(squares - rest * rest, 0.0) + static_cast<double>(epsilon));
+                     inverse = 1 / std::sqrt(std::max(fused_multiply_add(-rest, rest, squares), 0.0) +
+                                             static_cast<double>(epsilon));
         std::fill_n(memory.scale + first, of_group, static_cast<float>(inverse));
         std::fill_n(memory.shift + first, of_group, static_cast<float>(-rest * inverse));
     }
@@ -178,7 +187,7 @@ void normalise_pixels(const frame_norm& norm, const float* weights, const float*
         center[p] = Vector(in[p * norm.stride]), sum[p] = Vector(0.0F);
     for_each_deviation([&](std::size_t p, const Vector& d) { sum[p] = sum[p] + d; });
     for (std::size_t p = 0; p < Together; ++p) {
-        center[p] = Vector(in[p * norm.stride] + sum_of_lanes(sum[p]) * share);
+        center[p] = Vector(fused_multiply_add(sum_of_lanes(sum[p]), share, in[p * norm.stride]));
         sum[p] = squares[p] = Vector(0.0F);
     }
     for_each_deviation([&](std::size_t p, const Vector& d) {
@@ -186,8 +195,8 @@ void normalise_pixels(const frame_norm& norm, const float* weights, const float*
         squares[p] = fused_multiply_add(d, d, squares[p]);
     });
     for (std::size_t p = 0; p < Together; ++p) {
-        const float mean = sum_of_lanes(sum[p]) * share,
-                    variance = std::max(sum_of_lanes(squares[p]) * share - mean * mean, 0.0F),
+        const float mean = sum_of_lanes(sum[p]) * share, squares_share = sum_of_lanes(squares[p]) * share,
+                    variance = std::max(fused_multiply_add(-mean, mean, squares_share), 0.0F),
                     inverse = 1 / std::sqrt(variance + epsilon);
         scale[p] = Vector(inverse), shift[p] = Vector(-mean * inverse);
     }
@@ -206,7 +215,8 @@ void normalise_pixels(const frame_norm& norm, const float* weights, const float*
 template <class Vector>
 void normalise_each_pixel(const frame_norm& norm, const float* weights, const float* biases, float epsilon,
                           const float* in, float* out) {
-    constexpr std::size_t width = sizeof(Vector) / sizeof(float), together = 4;
+    // The center, the sum and the squares of each pixel stay in registers.
+    constexpr std::size_t width = sizeof(Vector) / sizeof(float), together = max_block_sums / 3;
     alignas(vector_alignment) std::array<float, width> in_use{};
     std::fill_n(in_use.begin(), (norm.channels - 1) % width + 1, 1.0F);
     const Vector last = pixel_access<Vector>::load(in_use.data());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/simd/compiler_vector.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
 #include <array>
@@ -20,10 +21,13 @@ using sized_vector = xsimd::make_sized_batch_t<T, Lanes>;
 template <class T>
 inline constexpr std::size_t min_lanes = 16 / sizeof(T);
 
-/// The larger of both; `b` if one is NaN. Not xsimd::max, for which GCC 12 warns in its own header.
+/// The larger of both; `b` if one is NaN. In compiler vectors: of xsimd's mask and choice, GCC makes two
+/// instructions, not one, and it warns about xsimd::max in its own header.
 template <class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector maximum_or_second(const Vector& a, const Vector& b) {
-    return xsimd::select(a > b, a, b);
+    using values = typename detail::compiler_vector<typename Vector::value_type, Vector::size>::type;
+    const values x = load_bytes_as<values>(&a), y = load_bytes_as<values>(&b), larger = x > y ? x : y;
+    return load_bytes_as<Vector>(&larger);
 }
 
 #else

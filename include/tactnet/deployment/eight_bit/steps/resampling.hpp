@@ -20,9 +20,9 @@ struct resampling_step<eight_bit, interpolation::nearest, Input, Output, Stride>
     static void run(const std::int8_t*, const std::uint8_t* in, std::uint8_t* out, std::uint8_t*) noexcept {
         kernels::copy_nearest<down, along, Stride>(in, out);
     }
-    /// For calibration.
+    /// For calibration, whose maps are not aligned.
     static void reference(const float*, const float* in, float* out) {
-        kernels::copy_nearest<down, along, Input.channels>(in, out);
+        kernels::copy_nearest<down, along, Input.channels, float, float>(in, out);
     }
 };
 
