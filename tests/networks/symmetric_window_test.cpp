@@ -139,6 +139,10 @@ TEST_CASE_TEMPLATE("tactnet6_symmetric: windows lie alike on an image and on its
                    tactnet6_symmetric<shape{14, 25}, 5>) {
     CHECK(difference_when_reflected<network>(5) < 1e-5);
 }
+TEST_CASE_TEMPLATE("tactnet4_3x3: windows lie alike where both sides are multiples of 8", network,
+                   tactnet4_3x3<shape{8, 16}, 5>, tactnet4_3x3<shape{16, 24}, 5>) {
+    CHECK(difference_when_reflected<network>(3) < 1e-5);
+}
 TEST_CASE("tactnet4: windows do not lie alike on an image of odd sides and on its reflections") {
     CHECK(difference_when_reflected<tactnet4<shape{7, 13}, 5>>(3) > 0.01);
 }

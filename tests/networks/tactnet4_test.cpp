@@ -15,6 +15,13 @@ static_assert(tactnet4<shape{7, 13, 1}, 22>::multiply_adds == 88728);
 static_assert(tactnet4<shape{7, 13, 1}, 22>::multiply_adds_on_pixels == 59896);
 static_assert(tactnet4<shape{14, 25, 1}, 22>::input_shape == shape{14, 25, 1});
 
+// Kernels of 3 x 3 at every size.
+static_assert(tactnet4_3x3<shape{8, 16}, 22>::parameters == 7430);
+static_assert(tactnet4_3x3<shape{8, 16}, 22>::multiply_adds == 84352);
+static_assert(tactnet4_3x3<shape{14, 25}, 22>::parameters == 11654);
+static_assert(tactnet4_3x3<shape{14, 25}, 22>::multiply_adds == 264688);
+static_assert(!tactnet4_3x3_training({8, 16}).has_value());
+
 // Outside the published range: larger images take the full form, smaller ones that of 7 x 13.
 static_assert(within_published_range({7, 13}) && within_published_range({28, 50}) &&
               within_published_range({50, 28}));
