@@ -30,9 +30,9 @@ using resizing_steps = network<shape{7, 6, 2}, conv2d<8, 3>, parametric_relu,
                                adaptive_max_pool<extent2d(5, 4)>, transposed_conv2d<6, 3, 2>, relu,
                                upsample<extent2d(1, 2)>, conv2d<5, 2, 2>, parametric_relu, dense<5>>;
 /// Norms with moments of each frame.
-using norm_steps = network<shape{7, 6, 2}, conv2d<8, 3>, group_norm<4>, relu, conv2d<6, 3>,
-                           layer_norm<norm_over::frame>, conv2d<12, 1>, layer_norm<norm_over::channels>,
-                           conv2d<5, 2, 2>, instance_norm, relu, dense<5>>;
+using norm_steps =
+    network<shape{7, 6, 2}, conv2d<8, 3>, group_norm<4>, relu, conv2d<6, 3>, layer_norm<norm_over::frame>,
+            conv2d<12, 1>, layer_norm<norm_over::channels>, conv2d<5, 2, 2>, instance_norm, relu, dense<5>>;
 
 /// The map that a description writes last, of a frame of counts with a mean of zero.
 template <class Network>
@@ -200,9 +200,10 @@ TEST_CASE("node_executor: a description gives what the deployed network gives, e
     // Rounded: each byte is off by step / √12. Where the numbers before rounding differ by a part d of a
     // step, that part of the bytes become the next byte, which is off by a step: √(12 d) of the rounding
     // error. Norms round weights to 15 bits, so d = 255 / 65534; roots to 1/1024, of a step of 1/16 at least
-    // half of that, so d < 1/128; norms of each frame to 1/256, twice, so d < 1/128 too; such bytes then differ in the sums after them by as little. With two such
-    // maps, d below 1/50: a half. Two roundings that had nothing in common would differ by √2. Where there is
-    // neither, sums alone differ, and the test above says more.
+    // half of that, so d < 1/128; group, instance and layer norms to 1/256, twice, so d < 1/128 too; such
+    // bytes then differ in the sums after them by as little. With two such maps, d below 1/50: a half. Two
+    // roundings that had nothing in common would differ by √2. Where there is neither, sums alone differ, and
+    // the test above says more.
     //
     // Bilinear means are ties once in as many as there are parts of a pixel, 22 × 26 here.
     const auto check = [](const deviations& found) {

@@ -10,7 +10,7 @@
 // A dilated convolution reads every `dilation`-th pixel. So it is several convolutions without dilation, one
 // for each phase: outputs of equal remainder read pixels of equal remainder. The phases lie side by side in
 // one map, and a single convolution computes all of them. Two neighbours share the zeros between them. The
-// zeros at the edges are the padding of this convolution, which multiplies none of them. Some of its outputs
+// zeros at the edges are the padding of this convolution, which methods by taps skip. Some of its outputs
 // span two phases; they are left out.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
@@ -22,7 +22,7 @@ struct dilated_axis {
     std::size_t step;        ///< stride of the convolution of the phases
     std::size_t length = 0;  ///< pixels of the first phase, with zeros, which is the longest
     std::size_t spacing = 0; ///< pixels from the start of one phase to that of the next: whole strides
-    std::size_t zeros_before = 0, zeros_after = 0; ///< of all phases: left to the padding
+    std::size_t zeros_before = 0, zeros_after = 0; ///< at both ends of all phases: padding
 
     static constexpr std::size_t none = static_cast<std::size_t>(-1);
 
@@ -38,16 +38,16 @@ struct dilated_axis {
         a.spacing = a.length - std::min(kernel - 1, a.length / 2);
         while (a.spacing % a.step != 0 || a.phases_collide())
             ++a.spacing;
-        const auto more = [&](std::size_t zeros, std::size_t next) {
+        const auto extends_padding = [&](std::size_t zeros, std::size_t next) {
             return zeros + 1 < kernel && a.pixels() > 1 && a.padded_input_at(next) == none;
         };
-        while (more(a.zeros_before, a.zeros_before))
+        while (extends_padding(a.zeros_before, a.zeros_before))
             ++a.zeros_before;
-        while (more(a.zeros_after, a.padded() - 1 - a.zeros_after))
+        while (extends_padding(a.zeros_after, a.padded() - 1 - a.zeros_after))
             ++a.zeros_after;
         return a;
     }
-    /// The pixels of all phases without the padding.
+    /// The pixels of all phases, with the zeros between them and without the padding.
     [[nodiscard]] constexpr std::size_t pixels() const { return padded() - zeros_before - zeros_after; }
     /// The outputs of their convolution.
     [[nodiscard]] constexpr std::size_t sums() const { return (padded() - kernel) / step + 1; }

@@ -96,6 +96,7 @@ struct average_windows {
     friend constexpr bool operator==(const average_windows&, const average_windows&) = default;
 };
 
+/// The windows of a pool, cut at the border of the map.
 [[nodiscard]] constexpr average_windows windows_of(const sliding_window& w) {
     return {.rows = {w.input.rows, w.output_rows(), w.kernel.rows, w.stride.rows, w.top, w.bottom},
             .columns = {w.input.columns, w.output_columns(), w.kernel.columns, w.stride.columns, w.left,

@@ -145,7 +145,7 @@ TEST_CASE("eight_bit: the squares of a large map need more than 32 bits") {
           0);
 }
 
-TEST_CASE("eight_bit: an epsilon that is not above zero is rejected") {
+TEST_CASE("eight_bit: an epsilon that is not above zero and a bias far beyond the output are rejected") {
     using net = network<shape{5, 6}, conv2d<4, 3>, group_norm<2>, dense<3>>;
     net trained;
     support::fill(trained, 74);
@@ -167,6 +167,18 @@ TEST_CASE("eight_bit: an epsilon that is not above zero is rejected") {
         CHECK_THROWS_WITH_AS((void)made(),
                              doctest::Contains("step2.epsilon, element 0: expected a finite number above 0"),
                              std::invalid_argument);
+    }
+    epsilon = 1e-5F;
+    const float step = folded[layout.steps[1].find("output")->offset];
+    float& bias = folded[layout.steps[1].find("bias")->offset];
+    for (const float steps : {7900.0F, -7900.0F}) {
+        bias = steps * step;
+        CHECK_NOTHROW((void)made());
+        bias = steps * step * 1.01F;
+        CHECK_THROWS_WITH_AS(
+            (void)made(),
+            doctest::Contains("step2.bias, element 0: expected at most 7936 steps of the output"),
+            std::invalid_argument);
     }
     trained.epsilon = 0;
     CHECK_THROWS_AS((void)support::calibrated(trained, 74, 3), std::invalid_argument);

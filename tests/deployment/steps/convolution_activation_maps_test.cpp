@@ -217,12 +217,10 @@ TEST_CASE_TEMPLATE("convolution_step: a monotonic function gives the same bits b
 
 TEST_CASE_TEMPLATE("fused: a function that says it is monotonic never decreases, as computed", Function,
                    relu_function, leaky_relu_function<1>, leaky_relu_function<10>, leaky_relu_function<200>,
-                   leaky_relu_function<999>, relu6_function, hard_sigmoid_function, hard_swish_function,
-                   sigmoid_function, silu_function, hyperbolic_tangent_function, elu_function<300>,
-                   elu_function<1000>, elu_function<2500>, softplus_function, gelu_function) {
+                   leaky_relu_function<999>, relu6_function, hard_sigmoid_function) {
+    static_assert(fused<Function>->monotonic);
     CAPTURE(Function::name);
-    if (fused<Function>->monotonic)
-        CHECK(decreases<Function>() == 0);
+    CHECK(decreases<Function>() == 0);
 }
 
 TEST_CASE_TEMPLATE("fused: functions with a minimum do not say that they are monotonic", Function,

@@ -111,6 +111,7 @@ private:
         const step_ranges ranges{range_of(step, "input"), range_of(step, "added"), range_of(step, "output")};
         const folded_step::array *const weights = step.find("weight"), *const biases = step.find("bias"),
                                         *const scales = step.find("scale");
+        const bool norm_of_bytes = step.find("epsilon") != nullptr;
         if (weights == nullptr || biases == nullptr)
             return check_factor(step.arrays[0].name, 0,
                                 static_cast<double>(ranges.input.scale) *
@@ -118,7 +119,12 @@ private:
                                 ranges.output);
         for (std::size_t f = 0; f < biases->size && !problem_; ++f) {
             const float bias = folded_[biases->offset + f];
-            if (scales == nullptr)
+            if (norm_of_bytes)
+                // A product is clamped to 8192 steps, and no byte differs for it.
+                require(std::abs(static_cast<double>(bias)) <=
+                            7936 * static_cast<double>(ranges.output.scale),
+                        biases->name, f, "at most 7936 steps of the output", static_cast<double>(bias));
+            else if (scales == nullptr)
                 check_factor(weights->name, f, norm_unit(folded_[weights->offset + f], bias, ranges.input),
                              ranges.output);
             else

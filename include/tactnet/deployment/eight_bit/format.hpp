@@ -135,8 +135,8 @@ template <std::size_t Stride>
 struct cannot_read_the_frame {
     static_assert(
         Stride == 0,
-        "deploy: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a norm "
-        "of each frame: a convolution, a dense layer or a batch norm must come first");
+        "deploy: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, "
+        "instance or layer norm: a convolution, a dense layer or a batch norm must come first");
 };
 
 } // namespace detail

@@ -121,7 +121,8 @@ template <average_windows Windows, std::size_t Stride, class Vector, class T>
         for (std::size_t channel = 0; channel < Stride; channel += together * width) {
             const T* const from = input + rows.begin * size * Stride + channel;
             T* const to = output + y * outputs * Stride + channel;
-            if (rows.end - rows.begin == kernel_rows)
+            // Without vectors, code that is short is worth more.
+            if (lanes < float >> 1 && rows.end - rows.begin == kernel_rows)
                 reduce_row(y, std::integral_constant<std::size_t, kernel_rows>{}, from, to);
             else
                 reduce_row(y, rows.end - rows.begin, from, to);
@@ -155,7 +156,7 @@ template <std::size_t Stride, class T>
 void pool_frame(const average_windows& bins, const T* input, T* output) {
     largest_pixels<typename decltype(pixel_vector<T, Stride>())::type>(bins, Stride, input, output);
 }
-/// output = the largest value of each window.
+/// output = the largest value of each window. Inputs are finite: a NaN may be lost.
 template <sliding_window W, std::size_t Stride, class T>
 void pool_frame(const T* input, T* output) {
     using wide = typename decltype(pixel_vector<T, Stride>())::type;

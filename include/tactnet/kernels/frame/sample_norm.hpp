@@ -49,8 +49,8 @@ struct group_norm_memory {
           squares_rest(squares + room) {}
 };
 
-/// Sets the sums of x − center over all pixels for each lane of a pixel, from the first pixel to the last, or
-/// these and the sums of the squares, from the last to the first: the first-level cache still holds a part.
+/// Sets the sums of x − center over all pixels for each lane of a pixel, and with `Squares` those of the
+/// squares. This second pass runs backwards, since the cache still holds the end of the map.
 template <bool Squares, class Vector>
 void sum_deviations(const frame_norm& norm, const float* in, const group_norm_memory& memory) {
     // Chains of plain sums do not wait for each other: at most 16 roundings in a run, with those of the

@@ -28,7 +28,7 @@ struct byte_norm {
     static constexpr float parts = 256;
     /// The largest magnitude of a product with a weight, and of a bias, in parts.
     static constexpr float most_parts = 0x1p21f;
-    /// The most bytes with moments of their own: n times a byte has 31 bits.
+    /// The most bytes in a group: their number times a byte fits 31 bits.
     static constexpr std::size_t most_bytes = std::size_t{1} << 23;
 };
 
@@ -59,7 +59,7 @@ struct byte_moments {
 template <std::size_t Lanes>
 struct lane_sums {
     int32_vec<Lanes> totals{}, squares{};
-    /// So many squares have 31 bits.
+    /// The sum of so many squares fits 31 bits.
     static constexpr std::size_t most = std::size_t{1} << 15;
 
     [[gnu::always_inline]] void add(const std::uint8_t* from) {
@@ -97,17 +97,18 @@ class byte_group_norm {
     static_assert(count <= byte_norm::most_bytes,
                   "sample_norm_step: in 8 bits a norm takes at most 2^23 numbers together");
     // The sums of each channel, later of its group, beside the factors; then the squares.
-    static constexpr std::size_t numbers = pad_to_cache_line<std::uint8_t>(N.stride * sizeof(std::uint32_t));
+    static constexpr std::size_t sums_bytes =
+        pad_to_cache_line<std::uint8_t>(N.stride * sizeof(std::uint32_t));
 
 public:
     static constexpr std::size_t memory_bytes =
-        2 * numbers + pad_to_cache_line<std::uint8_t>(N.stride * sizeof(std::uint64_t));
+        2 * sums_bytes + pad_to_cache_line<std::uint8_t>(N.stride * sizeof(std::uint64_t));
 
     static void run(const byte_norm_parameters& by, const std::uint8_t* in, std::uint8_t* out,
                     std::uint8_t* memory) noexcept {
         auto* const sums = reinterpret_cast<std::int32_t*>(memory);
-        auto* const factors = reinterpret_cast<float*>(memory + numbers);
-        auto* const squares = reinterpret_cast<std::uint64_t*>(memory + 2 * numbers);
+        auto* const factors = reinterpret_cast<float*>(memory + sums_bytes);
+        auto* const squares = reinterpret_cast<std::uint64_t*>(memory + 2 * sums_bytes);
         std::fill_n(sums, N.stride, 0);
         std::fill_n(factors, N.stride, 0.0f);
         std::fill_n(squares, N.stride, std::uint64_t{});

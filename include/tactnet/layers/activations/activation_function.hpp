@@ -150,7 +150,7 @@ template <class Function>
         static_assert(every_width,
                       "activation: a function that says takes_vectors takes vectors of every width, so that "
                       "value is a template");
-        if constexpr (every_width) // or the sentence would be one of several errors
+        if constexpr (every_width) // otherwise more errors follow the assertion
             fused = kernels::fused_activation::with_functions_of<Function>();
     }
     fused.output_bound = activation_bound<Function>;

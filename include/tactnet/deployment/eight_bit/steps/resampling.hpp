@@ -3,6 +3,7 @@
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/deployment/steps/resampling.hpp>
+#include <tactnet/kernels/frame/resampling.hpp>
 #include <tactnet/kernels/integer/resampling.hpp>
 
 #include <cstddef>
