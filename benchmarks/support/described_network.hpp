@@ -101,7 +101,7 @@ private:
                     std::size_t from) {
         return add_pool(Window, from);
     }
-    template <tactnet::average_windows Windows, std::size_t Channels, std::size_t Stride>
+    template <tactnet::pooling_windows Windows, std::size_t Channels, std::size_t Stride>
     std::size_t add(tactnet::average_pool_step<tactnet::single_precision, Windows, Channels, Stride>,
                     const float*, std::size_t from) {
         constexpr auto rows = Windows.rows, columns = Windows.columns;

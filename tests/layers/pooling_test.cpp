@@ -52,7 +52,7 @@ TEST_CASE("average_pool: what must hold of every layer") {
 }
 
 // PyTorch: AdaptiveAvgPool2d(4) of 10 gives the bins 0-3, 2-5, 5-8, 7-10.
-constexpr average_axis bins{.size = 10, .outputs = 4};
+constexpr pooling_axis bins{.size = 10, .outputs = 4};
 static_assert(bins.pixels(0).end == 3 && bins.pixels(1).begin == 2 && bins.pixels(1).end == 5 &&
               bins.pixels(2).begin == 5 && bins.pixels(2).end == 8 && bins.pixels(3).begin == 7);
 

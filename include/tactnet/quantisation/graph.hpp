@@ -27,7 +27,7 @@ struct graph_node {
     using function = void (*)(const graph_node& step, const float* folded, const float* in, float* out);
     function reference = nullptr;
     sliding_window window{{0, 0, 0}, 1, 1}; ///< of a convolution or a max pool
-    average_windows means{};                ///< of an average pool
+    pooling_windows means{};                ///< of an average pool
     std::size_t groups = 1;                 ///< of a convolution; its window has the channels of all
     std::size_t filters = 0;                ///< of all groups
     extent2d pool = 1;                      ///< a max pool fused with a convolution

@@ -138,7 +138,7 @@ private:
     /// An average pool.
     template <class Step, class Format>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                                  const average_windows& windows, std::size_t, input_stride_argument) {
+                                  const pooling_windows& windows, std::size_t, input_stride_argument) {
         return add_parameters<Step>({.reference = reference_average_pool, .means = windows, .input = input},
                                     into);
     }

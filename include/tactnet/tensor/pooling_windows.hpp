@@ -52,9 +52,9 @@ template <sliding_window W, class Body>
            w.output_columns() * w.stride.columns >= w.input.columns + w.left;
 }
 
-/// The windows of an average pool along rows or columns: a sliding window or, if `kernel` is zero, one bin
+/// The windows of a pool along rows or columns: a sliding window or, if `kernel` is zero, one bin
 /// per output, as equal in size as possible.
-struct average_axis {
+struct pooling_axis {
     std::size_t size, outputs;
     std::size_t kernel = 0, stride = 0, before = 0, after = 0;
 
@@ -73,13 +73,13 @@ struct average_axis {
             return pixels(i).end - pixels(i).begin;
         return std::min(i * stride + kernel, size + before + after) - i * stride;
     }
-    friend constexpr bool operator==(const average_axis&, const average_axis&) = default;
+    friend constexpr bool operator==(const pooling_axis&, const pooling_axis&) = default;
 };
 
-/// All windows of an average pool, or the bins of an adaptive max pool. The divisor counts the pixels under a
+/// All windows of a pool, or the bins of an adaptive one. The divisor of an average counts the pixels under a
 /// window and, if `counts_padding`, the padding as well.
-struct average_windows {
-    average_axis rows, columns;
+struct pooling_windows {
+    pooling_axis rows, columns;
     bool counts_padding = false;
 
     [[nodiscard]] constexpr std::size_t divisor(std::size_t y, std::size_t x) const {
@@ -93,11 +93,11 @@ struct average_windows {
             for (std::size_t x = 0; x < columns.outputs; ++x)
                 body(y * columns.outputs + x, rows.pixels(y), columns.pixels(x), divisor(y, x));
     }
-    friend constexpr bool operator==(const average_windows&, const average_windows&) = default;
+    friend constexpr bool operator==(const pooling_windows&, const pooling_windows&) = default;
 };
 
 /// The windows of a pool, cut at the border of the map.
-[[nodiscard]] constexpr average_windows windows_of(const sliding_window& w) {
+[[nodiscard]] constexpr pooling_windows windows_of(const sliding_window& w) {
     return {.rows = {w.input.rows, w.output_rows(), w.kernel.rows, w.stride.rows, w.top, w.bottom},
             .columns = {w.input.columns, w.output_columns(), w.kernel.columns, w.stride.columns, w.left,
                         w.right}};

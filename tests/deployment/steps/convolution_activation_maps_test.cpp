@@ -12,19 +12,13 @@
 #include <limits>
 #include <string_view>
 
-// A fused activation function where the map it follows has an edge of its own: channels of other steps beside
-// it, and pools that the map cuts.
+// A fused activation function where the map it follows has an edge of its own: channels of other steps next
+// to it, and pools that the map cuts.
 
 using namespace tactnet;
 
 using kernels::frame_convolution;
-using support::adding;
-using support::in_groups;
-using support::pooled_before;
-using support::same_bits;
-using support::step;
-using support::trial;
-using support::with;
+using namespace support;
 
 namespace {
 
@@ -180,8 +174,9 @@ std::size_t decreases(float x, std::size_t count) {
     }
     return found;
 }
-/// The same of 100 000 floats about each number at which functions of the library have corners, of an eighth
-/// of the magnitudes between 2⁻¹⁰ and 16, where the other functions bend, and of a thousandth of all floats.
+/// How many floats have a smaller value than the float before, among 100 000 at each corner of a function of
+/// the library, an eighth of those between 2⁻¹⁰ and 16 in magnitude, where the other functions bend, and a
+/// thousandth of all.
 template <class Function>
 std::size_t decreases() {
     std::size_t found = 0;

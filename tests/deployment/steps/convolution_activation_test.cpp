@@ -17,13 +17,7 @@
 using namespace tactnet;
 
 using kernels::frame_convolution;
-using support::adding;
-using support::in_groups;
-using support::pooled_before;
-using support::same_bits;
-using support::step;
-using support::trial;
-using support::with;
+using namespace support;
 
 namespace {
 

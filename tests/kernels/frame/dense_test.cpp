@@ -115,7 +115,7 @@ void compare_pool() {
     CHECK(wrong == 0);
 }
 
-template <average_windows W, std::size_t Channels, std::size_t Stride>
+template <pooling_windows W, std::size_t Channels, std::size_t Stride>
 void compare_average() {
     std::uint64_t state = Stride;
     constexpr shape size{W.rows.size, W.columns.size, Channels};
@@ -166,7 +166,7 @@ TEST_CASE("pooling: windows that overlap, keep the image, or reach beyond it") {
 
 TEST_CASE("pooling: averages of windows that overlap, leave pixels out, or reach beyond the image") {
     const auto of = [](const sliding_window& window, bool counts_padding = false) {
-        average_windows windows = windows_of(window);
+        pooling_windows windows = windows_of(window);
         windows.counts_padding = counts_padding;
         return windows;
     };
@@ -177,5 +177,5 @@ TEST_CASE("pooling: averages of windows that overlap, leave pixels out, or reach
                     8>();
     compare_average<of(sliding_window::over({9, 11, 1}, 7, 2, pad(3)), true), 16, 16>();
     compare_average<of(sliding_window::over({9, 12, 1}, extent2d(2, 9), extent2d(1, 2), pad(1))), 16, 16>();
-    compare_average<average_windows{{7, 2}, {9, 4}}, 4, 4>();
+    compare_average<pooling_windows{{7, 2}, {9, 4}}, 4, 4>();
 }

@@ -314,7 +314,7 @@ struct reference_step<tactnet::pool_step<tactnet::eight_bit, W, Stride>, Product
     }
 };
 
-template <class Output, tactnet::average_windows W, std::size_t Channels, std::size_t Stride, class Products>
+template <class Output, tactnet::pooling_windows W, std::size_t Channels, std::size_t Stride, class Products>
 struct reference_step<
     tactnet::average_pool_step<tactnet::eight_bit_between<std::uint8_t, Output>, W, Channels, Stride>,
     Products> {

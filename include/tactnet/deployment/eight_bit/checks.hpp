@@ -111,16 +111,16 @@ private:
         const step_ranges ranges{range_of(step, "input"), range_of(step, "added"), range_of(step, "output")};
         const folded_step::array *const weights = step.find("weight"), *const biases = step.find("bias"),
                                         *const scales = step.find("scale");
-        const bool norm_of_bytes = step.find("epsilon") != nullptr;
         if (weights == nullptr || biases == nullptr)
             return check_factor(step.arrays[0].name, 0,
                                 static_cast<double>(ranges.input.scale) *
                                     static_cast<double>(ranges.added.scale),
                                 ranges.output);
+        const bool norm_of_frames = step.find("epsilon") != nullptr;
         for (std::size_t f = 0; f < biases->size && !problem_; ++f) {
             const float bias = folded_[biases->offset + f];
-            if (norm_of_bytes)
-                // A product is clamped to 8192 steps, and no byte differs for it.
+            if (norm_of_frames)
+                // The kernel clamps products to 8192 steps: with a larger bias, that could change a byte.
                 require(std::abs(static_cast<double>(bias)) <=
                             7936 * static_cast<double>(ranges.output.scale),
                         biases->name, f, "at most 7936 steps of the output", static_cast<double>(bias));

@@ -61,13 +61,13 @@ namespace detail {
            ", .bottom = " + std::to_string(bottom) + ", .left = " + std::to_string(left) +
            ", .right = " + std::to_string(right) + "}";
 }
-[[nodiscard]] inline std::string text_of(const average_windows& w) {
-    const auto axis = [](const average_axis& a) {
+[[nodiscard]] inline std::string text_of(const pooling_windows& w) {
+    const auto axis = [](const pooling_axis& a) {
         const auto& [size, outputs, kernel, stride, before, after] = a;
         return list_of({size, outputs, kernel, stride, before, after});
     };
     const auto& [rows, columns, counts_padding] = w;
-    return "tactnet::average_windows{.rows = " + axis(rows) + ", .columns = " + axis(columns) +
+    return "tactnet::pooling_windows{.rows = " + axis(rows) + ", .columns = " + axis(columns) +
            ", .counts_padding = " + text_of(counts_padding) + "}";
 }
 /// A type with its unsigned template arguments.

@@ -42,15 +42,15 @@ template <shape Input, extent2d Output, std::size_t Stride>
 struct adaptive_max_pool_step<single_precision, Input, Output, Stride>
     : step_base<single_precision, shape{Output.rows, Output.columns, Input.channels}, Stride> {
     static void run(const float*, const float* in, float* out, float*) noexcept {
-        constexpr average_windows bins{{Input.rows, Output.rows}, {Input.columns, Output.columns}};
+        constexpr pooling_windows bins{{Input.rows, Output.rows}, {Input.columns, Output.columns}};
         kernels::pool_frame<Stride>(bins, in, out);
     }
 };
 
 /// An average pool.
-template <class Format, average_windows Windows, std::size_t Channels, std::size_t Stride>
+template <class Format, pooling_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step;
-template <class Format, average_windows Windows, std::size_t Channels, std::size_t Stride>
+template <class Format, pooling_windows Windows, std::size_t Channels, std::size_t Stride>
 struct step_description<average_pool_step<Format, Windows, Channels, Stride>> {
     static constexpr void visit(auto&& to) {
         to("tactnet::average_pool_step", "Average pool", std::type_identity<Format>{}, Windows, Channels,
@@ -58,7 +58,7 @@ struct step_description<average_pool_step<Format, Windows, Channels, Stride>> {
     }
 };
 
-template <average_windows Windows, std::size_t Channels, std::size_t Stride>
+template <pooling_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step<single_precision, Windows, Channels, Stride>
     : step_base<single_precision, shape{Windows.rows.outputs, Windows.columns.outputs, Channels}, Stride> {
     static void run(const float*, const float* in, float* out, float*) noexcept {

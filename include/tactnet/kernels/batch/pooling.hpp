@@ -56,7 +56,7 @@ void max_pool_backward(const T* input, const T* output, const T* output_gradient
 
 /// output = the largest value of each bin; NaN wins.
 template <class T>
-void max_pool_forward(const average_windows& bins, std::size_t channels, const T* input, T* output) {
+void max_pool_forward(const pooling_windows& bins, std::size_t channels, const T* input, T* output) {
     constexpr std::size_t width = lanes<T>;
     const std::size_t columns_of_input = bins.columns.size;
     for (std::size_t channel = 0; channel < channels; ++channel) {
@@ -75,7 +75,7 @@ void max_pool_forward(const average_windows& bins, std::size_t channels, const T
 
 /// input_gradient = the output gradient, at the first largest value of each bin; bins may overlap.
 template <class T>
-void max_pool_backward(const average_windows& bins, std::size_t channels, const T* input, const T* output,
+void max_pool_backward(const pooling_windows& bins, std::size_t channels, const T* input, const T* output,
                        const T* output_gradient, T* input_gradient) {
     constexpr std::size_t width = lanes<T>;
     const std::size_t columns_of_input = bins.columns.size, plane = bins.rows.size * columns_of_input * width,
@@ -101,7 +101,7 @@ void max_pool_backward(const average_windows& bins, std::size_t channels, const 
 
 /// output = the sum of each window ÷ its divisor.
 template <class T>
-void average_pool_forward(const average_windows& windows, std::size_t channels, const T* input, T* output) {
+void average_pool_forward(const pooling_windows& windows, std::size_t channels, const T* input, T* output) {
     constexpr std::size_t width = lanes<T>;
     const std::size_t columns_of_input = windows.columns.size;
     for (std::size_t channel = 0; channel < channels; ++channel) {
@@ -119,7 +119,7 @@ void average_pool_forward(const average_windows& windows, std::size_t channels, 
 
 /// input_gradient = the gradient of each window ÷ its divisor, added to all of its pixels.
 template <class T>
-void average_pool_backward(const average_windows& windows, std::size_t channels, const T* output_gradient,
+void average_pool_backward(const pooling_windows& windows, std::size_t channels, const T* output_gradient,
                            T* input_gradient) {
     constexpr std::size_t width = lanes<T>;
     const std::size_t columns_of_input = windows.columns.size,

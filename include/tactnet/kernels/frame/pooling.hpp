@@ -47,10 +47,10 @@ template <std::size_t Chains, class Vector>
     return together;
 }
 
-/// Reduces each window, first its columns and then these: columns beside each other in several windows are
-/// reduced once. `Stride` elements from one pixel to the next, in both maps; finish(value, divisor) is
+/// Reduces the columns of each window, then the window: a column that several windows share is reduced once.
+/// `Stride` elements from one pixel to the next, in both maps; finish(value, divisor) is
 /// stored.
-template <average_windows Windows, std::size_t Stride, class Vector, class T>
+template <pooling_windows Windows, std::size_t Stride, class Vector, class T>
 [[gnu::flatten]] void reduce_frame(const T* input, T* output, const auto& combine, const auto& finish) {
     using pixels = pixel_access<Vector>;
     constexpr std::size_t width = sizeof(Vector) / sizeof(T), kernel_rows = Windows.rows.kernel,
@@ -62,6 +62,8 @@ template <average_windows Windows, std::size_t Stride, class Vector, class T>
                           whole = size + before < kernel ? 0 : (size + before - kernel) / stride + 1,
                           end = std::clamp(whole, first, outputs);
     constexpr std::size_t together = vectors_together(Stride / width, kernel);
+    // Processors without vectors need short code more.
+    constexpr bool unrolls_rows = lanes<float> != 1;
     using block = std::array<Vector, together>;
     const auto load = [](const T* from) __attribute__((always_inline)) {
         block value;
@@ -121,8 +123,7 @@ template <average_windows Windows, std::size_t Stride, class Vector, class T>
         for (std::size_t channel = 0; channel < Stride; channel += together * width) {
             const T* const from = input + rows.begin * size * Stride + channel;
             T* const to = output + y * outputs * Stride + channel;
-            // Without vectors, code that is short is worth more.
-            if (lanes < float >> 1 && rows.end - rows.begin == kernel_rows)
+            if (unrolls_rows && rows.end - rows.begin == kernel_rows)
                 reduce_row(y, std::integral_constant<std::size_t, kernel_rows>{}, from, to);
             else
                 reduce_row(y, rows.end - rows.begin, from, to);
@@ -131,7 +132,7 @@ template <average_windows Windows, std::size_t Stride, class Vector, class T>
 }
 
 /// Whether reduce_frame keeps the columns of a window in registers.
-[[nodiscard]] constexpr bool reduces_columns(const average_windows& windows) {
+[[nodiscard]] constexpr bool reduces_columns(const pooling_windows& windows) {
     constexpr std::size_t most = 8;
     return windows.rows.kernel > 0 && windows.columns.kernel > 0 && windows.rows.kernel <= most &&
            windows.columns.kernel <= most;
@@ -139,7 +140,7 @@ template <average_windows Windows, std::size_t Stride, class Vector, class T>
 
 /// `Vector` divides `stride`: one instantiation for each.
 template <class Vector, class T>
-void largest_pixels(const average_windows& bins, std::size_t stride, const T* input, T* output) {
+void largest_pixels(const pooling_windows& bins, std::size_t stride, const T* input, T* output) {
     using pixels = pixel_access<Vector>;
     bins.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t) {
         for (std::size_t channel = 0; channel < stride; channel += sizeof(Vector) / sizeof(T)) {
@@ -153,14 +154,14 @@ void largest_pixels(const average_windows& bins, std::size_t stride, const T* in
 
 /// output = the largest value of each bin. `Stride` elements from one pixel to the next, in both maps.
 template <std::size_t Stride, class T>
-void pool_frame(const average_windows& bins, const T* input, T* output) {
+void pool_frame(const pooling_windows& bins, const T* input, T* output) {
     largest_pixels<typename decltype(pixel_vector<T, Stride>())::type>(bins, Stride, input, output);
 }
 /// output = the largest value of each window. Inputs are finite: a NaN may be lost.
 template <sliding_window W, std::size_t Stride, class T>
 void pool_frame(const T* input, T* output) {
     using wide = typename decltype(pixel_vector<T, Stride>())::type;
-    constexpr average_windows windows = windows_of(W);
+    constexpr pooling_windows windows = windows_of(W);
     if constexpr (reduces_columns(windows))
         reduce_frame<windows, Stride, wide>(
             input, output, [](const wide& a, const wide& b) { return pixel_access<wide>::larger(a, b); },
@@ -172,7 +173,7 @@ void pool_frame(const T* input, T* output) {
 /// `Vector` divides `stride`: one instantiation for each. Sums of several vectors side by side do not wait
 /// for one another.
 template <class Vector>
-void average_pixels(const average_windows& windows, std::size_t stride, const float* input, float* output) {
+void average_pixels(const pooling_windows& windows, std::size_t stride, const float* input, float* output) {
     constexpr std::size_t width = sizeof(Vector) / sizeof(float);
     using access = pixel_access<Vector>;
     windows.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t divisor) {
@@ -202,7 +203,7 @@ void average_pixels(const average_windows& windows, std::size_t stride, const fl
 }
 
 /// output = the sum of each window ÷ its divisor. `Stride` elements from one pixel to the next, in both maps.
-template <average_windows Windows, std::size_t Stride>
+template <pooling_windows Windows, std::size_t Stride>
 void average_frame(const float* input, float* output) {
     using wide = typename decltype(pixel_vector<float, Stride>())::type;
     if constexpr (reduces_columns(Windows))

@@ -96,7 +96,7 @@ class byte_group_norm {
     static constexpr std::size_t in_group = N.channels / N.groups, count = in_group * N.pixels;
     static_assert(count <= byte_norm::most_bytes,
                   "sample_norm_step: in 8 bits a norm takes at most 2^23 numbers together");
-    // The sums of each channel, later of its group, beside the factors; then the squares.
+    // Three arrays: sums of each channel, later of its group; factors; squares.
     static constexpr std::size_t sums_bytes =
         pad_to_cache_line<std::uint8_t>(N.stride * sizeof(std::uint32_t));
 
@@ -110,7 +110,7 @@ public:
         auto* const factors = reinterpret_cast<float*>(memory + sums_bytes);
         auto* const squares = reinterpret_cast<std::uint64_t*>(memory + 2 * sums_bytes);
         std::fill_n(sums, N.stride, 0);
-        std::fill_n(factors, N.stride, 0.0f);
+        std::fill_n(factors, N.stride, 0.0f); // also of lanes after the last channel
         std::fill_n(squares, N.stride, std::uint64_t{});
         constexpr std::size_t width = detail::norm_lanes<N>;
         for (std::size_t c = 0; c < N.stride; c += width)
@@ -124,8 +124,6 @@ public:
                     squares[c + lane] += static_cast<std::uint64_t>(some.squares[lane]);
                 }
             }
-        // Lanes after the last channel hold no numbers.
-        std::fill(sums + N.channels, sums + N.stride, 0);
         for (std::size_t first = 0; first < N.channels; first += in_group) {
             std::uint64_t total = 0, of_squares = 0;
             for (std::size_t c = first; c < first + in_group; ++c)

@@ -35,7 +35,7 @@ struct adaptive_max_pool {
     struct layer : lane_block_layer<T, Input, adaptive_max_pool> {
         static constexpr shape output =
             detail::adaptive_max_output<Output.rows, Output.columns>(Input.channels);
-        static constexpr average_windows windows{.rows = {Input.rows, Output.rows},
+        static constexpr pooling_windows windows{.rows = {Input.rows, Output.rows},
                                                  .columns = {Input.columns, Output.columns}};
         /// Whether the bins are the windows of a max pool, side by side.
         static constexpr bool equal_bins =

@@ -16,9 +16,9 @@ enum class average_over { pixels, pixels_and_padding };
 namespace detail {
 
 /// Averages over given windows.
-template <class Spec, class T, shape Input, average_windows Windows>
+template <class Spec, class T, shape Input, pooling_windows Windows>
 struct average_layer : lane_block_layer<T, Input, Spec> {
-    static constexpr average_windows windows = Windows;
+    static constexpr pooling_windows windows = Windows;
 
     static void forward_block(const T* in, T* out) {
         kernels::average_pool_forward(windows, Input.channels, in, out);
@@ -29,7 +29,7 @@ struct average_layer : lane_block_layer<T, Input, Spec> {
 };
 
 /// The windows of PyTorch: what ceil mode adds after the given padding does not count as padding.
-[[nodiscard]] constexpr average_windows average_windows_of(const sliding_window& w, padding given,
+[[nodiscard]] constexpr pooling_windows average_windows_of(const sliding_window& w, padding given,
                                                            average_over over) {
     const bool completed = given.how == padding::rule::ceil_mode;
     return {.rows = {w.input.rows, w.output_rows(), w.kernel.rows, w.stride.rows, w.top,
@@ -40,7 +40,7 @@ struct average_layer : lane_block_layer<T, Input, Spec> {
 }
 
 template <std::size_t Rows, std::size_t Columns>
-[[nodiscard]] constexpr average_windows adaptive_windows(shape input) {
+[[nodiscard]] constexpr pooling_windows adaptive_windows(shape input) {
     static_assert(Rows > 0 && Columns > 0, "adaptive_average_pool: there must be at least one output");
     return {.rows = {input.rows, Rows}, .columns = {input.columns, Columns}};
 }

@@ -28,7 +28,7 @@ struct pool_step<eight_bit, Window, Stride>
 template <shape Input, extent2d Output, std::size_t Stride>
 struct adaptive_max_pool_step<eight_bit, Input, Output, Stride>
     : step_base<eight_bit, shape{Output.rows, Output.columns, Input.channels}, Stride> {
-    static constexpr average_windows bins{{Input.rows, Output.rows}, {Input.columns, Output.columns}};
+    static constexpr pooling_windows bins{{Input.rows, Output.rows}, {Input.columns, Output.columns}};
 
     static void run(const std::int8_t*, const std::uint8_t* in, std::uint8_t* out, std::uint8_t*) noexcept {
         kernels::pool_frame<Stride>(bins, in, out);
@@ -40,7 +40,7 @@ struct adaptive_max_pool_step<eight_bit, Input, Output, Stride>
 };
 
 /// An average pool in 8 bits: sums of integers, divided as they are rounded.
-template <class Output, average_windows Windows, std::size_t Channels, std::size_t Stride>
+template <class Output, pooling_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>
     : step_base<eight_bit, shape{Windows.rows.outputs, Windows.columns.outputs, Channels}, Stride> {
     static constexpr bool writes_bytes = std::is_same_v<Output, std::uint8_t>;
@@ -92,7 +92,7 @@ template <shape Input, extent2d Output, std::size_t Stride>
 struct adaptive_max_pool_step<eight_bit::input_format, Input, Output, Stride>
     : adaptive_max_pool_step<eight_bit, Input, Output, Stride>, detail::cannot_read_the_frame<Stride> {};
 
-template <class Output, average_windows Windows, std::size_t Channels, std::size_t Stride>
+template <class Output, pooling_windows Windows, std::size_t Channels, std::size_t Stride>
 struct average_pool_step<eight_bit_between<std::int16_t, Output>, Windows, Channels, Stride>
     : average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>,
       detail::cannot_read_the_frame<Stride> {};

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <optional>
 #include <support/layers/deployed_reference.hpp>
-#include <support/layers/reference_layers.hpp>
+#include <support/layers/reference/layers.hpp>
 #include <utility>
 
 namespace support {

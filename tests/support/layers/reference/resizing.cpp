@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <support/layers/reference_layers.hpp>
+#include <support/layers/reference/layers.hpp>
 #include <utility>
 
 namespace support {

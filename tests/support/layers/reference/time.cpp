@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
-#include <support/layers/reference_layers.hpp>
+#include <support/layers/reference/layers.hpp>
 #include <vector>
 
 namespace support {

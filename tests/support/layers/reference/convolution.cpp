@@ -3,7 +3,7 @@
 #include <optional>
 #include <span>
 #include <support/layers/deployed_reference.hpp>
-#include <support/layers/reference_layers.hpp>
+#include <support/layers/reference/layers.hpp>
 #include <support/layers/tile_magnitudes.hpp>
 #include <utility>
 

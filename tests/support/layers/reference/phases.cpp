@@ -3,7 +3,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
-#include <support/layers/reference_layers.hpp>
+#include <support/layers/reference/layers.hpp>
 #include <utility>
 #include <vector>
 
