@@ -59,6 +59,11 @@ CLI::Validator positive_number() {
     return check("a number above 0", "above 0", number_of, [](double value) { return value > 0; });
 }
 
+CLI::Validator number_up_to(double most) {
+    return check(fmt::format("a number from 0 to {}", most), fmt::format("0 to {}", most), number_of,
+                 [=](double value) { return value >= 0 && value <= most; });
+}
+
 CLI::Validator share() {
     return check("a share from 0 to below 1", "0 to below 1", number_of, is_share);
 }

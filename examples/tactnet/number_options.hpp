@@ -27,6 +27,8 @@ CLI::Validator whole_number(std::uint64_t least,
                             std::uint64_t most = std::numeric_limits<std::uint64_t>::max());
 /// A number above 0.
 CLI::Validator positive_number();
+/// A number from 0 to `most`, which is allowed.
+CLI::Validator number_up_to(double most);
 /// A number from 0 to below 1.
 CLI::Validator share();
 

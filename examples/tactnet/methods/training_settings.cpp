@@ -35,8 +35,9 @@ void check_settings(const method& what, const training_settings& s) {
     check_pretrained(what, s);
     check_bits(what, s.bits);
     if (!what.is_network() && static_cast<const epoch_settings&>(s) != epoch_settings{})
-        refuse("--epochs, --batch, --rate, --input, --augmentation, --start: expected a network, found {}, "
-               "which is not trained by epochs",
+        refuse("--epochs, --batch, --rate, --input, --augmentation, --rotation, --translation, --start: "
+               "expected a "
+               "network, found {}, which is not trained by epochs",
                what.name);
     if (what.pretrained() && !s.start.empty())
         refuse("--start: expected a network that begins with random weights, found {}, which begins with "
@@ -45,6 +46,10 @@ void check_settings(const method& what, const training_settings& s) {
     if (what.keeps_features() && s.augmentation && *s.augmentation != "none")
         refuse("--augmentation: expected none, since features of images are found once, for {}; found {}",
                what.name, *s.augmentation);
+    if (what.keeps_features() && (s.rotation || s.translation))
+        refuse("--rotation, --translation: expected a method that varies images, found {}, which finds their "
+               "features once",
+               what.name);
     if (what.is_network() && what.keeps_features() && s.batch == 1U)
         refuse("--batch: expected 0 or at least 2, since batch norms learn nothing from one row of features, "
                "for {}; found 1",
@@ -88,6 +93,10 @@ void add_training_options(CLI::App& command, training_settings& s, const std::st
     add_option(command, "--augmentation", s.augmentation, CLI::IsMember({"none", "each-epoch", "sixfold"}),
                "Augmentation: 'none', new images in 'each-epoch', or five more per image, drawn once: "
                "'sixfold' (default: the recipe's)");
+    add_option(command, "--rotation", s.rotation, number_up_to(180),
+               "Degrees by which augmentation turns images at most (default: the recipe's)");
+    add_option(command, "--translation", s.translation, number_up_to(4096),
+               "Tactels by which augmentation moves images at most, along both axes (default: the recipe's)");
     command.add_option(
         "--start", s.start,
         "Start from the network of this weight file, for example one trained on simulated "
@@ -147,6 +156,10 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
         r.augmentation = *s.augmentation == "none"         ? tactnet::augmentation_rule::none
                          : *s.augmentation == "each-epoch" ? tactnet::augmentation_rule::each_epoch
                                                            : tactnet::augmentation_rule::sixfold;
+    if (s.rotation)
+        r.ranges.rotation = *s.rotation;
+    if (s.translation)
+        r.ranges.translation = *s.translation;
     return r;
 }
 

@@ -11,7 +11,7 @@ class App;
 /// Settings of a training by epochs, which support vector machines do not have.
 struct epoch_settings {
     std::optional<std::size_t> epochs, batch;
-    std::optional<double> rate;
+    std::optional<double> rate, rotation, translation;
     std::optional<std::string> input, augmentation;
     std::string start; ///< weight file to begin with; empty for random weights
 

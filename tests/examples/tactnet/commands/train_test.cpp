@@ -2,6 +2,8 @@
 
 #include "../workshop.hpp"
 
+#include <tactnet/training/recipe.hpp>
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -80,6 +82,19 @@ TEST_SUITE("program") {
             for (const char* augmentation : {"none", "each-epoch", "sixfold"})
                 shop.trains({"--epochs", "2", "--output", "d", "--recipe", recipe, "--augmentation",
                              augmentation, "--input", "scale", "--split", "blocked"});
+    }
+
+    TEST_CASE("train: how far images are turned and moved") {
+        const workshop shop;
+        shop.trains("--epochs 2 --output recipe");
+        const auto turned = tactnet::recipe::default_for(7, 13).ranges;
+        shop.trains({"--epochs", "2", "--output", "same", "--rotation", std::to_string(turned.rotation),
+                     "--translation", std::to_string(turned.translation)});
+        shop.trains("--epochs 2 --output further --rotation 90");
+        shop.trains("--epochs 2 --output elsewhere --translation 4");
+        CHECK(shop.text("same") == shop.text("recipe"));
+        CHECK(shop.text("further") != shop.text("recipe"));
+        CHECK(shop.text("elsewhere") != shop.text("recipe"));
     }
 
     TEST_CASE("train: it starts from a weight file") {
@@ -189,6 +204,10 @@ TEST_SUITE("program") {
             {"train --output net", "--data is required"},
             {training("--output net --method vgg"), "--method: expected one of tactnet4"},
             {training("--output net --split other"), "--split: other not in {"},
+            {training("--output net --rotation 181"),
+             "--rotation: expected a number from 0 to 180, found '181'"},
+            {training("--output net --translation -1"),
+             "--translation: expected a number from 0 to 4096, found '-1'"},
             {training("--output net --test 0.6 --validation 0.5"),
              "expected shares that leave some images for training, found 0.5 and 0.6"},
             {training("--output net --resume"),

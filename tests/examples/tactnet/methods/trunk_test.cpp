@@ -191,6 +191,10 @@ TEST_SUITE("program") {
             {trains("squeezenet-pooled-nn", "--augmentation sixfold"),
              "--augmentation: expected none, since features of images are found once, for "
              "squeezenet-pooled-nn; found sixfold"},
+            {trains("squeezenet-pooled-nn", "--rotation 5"),
+             "--rotation, --translation: expected a method that varies images, found squeezenet-pooled-nn, "
+             "which "
+             "finds their features once"},
             {trains("squeezenet-pooled-nn", "--batch 1"),
              "--batch: expected 0 or at least 2, since batch norms learn nothing from one row of features, "
              "for squeezenet-pooled-nn; found 1"},
