@@ -114,7 +114,7 @@ void measure_8bit(const options& o, const benchmark::large_network& network) {
     for (std::uint8_t& f : frames)
         f = static_cast<std::uint8_t>(random.uniform(0, 256));
     const std::vector<float> counts(frames.begin(), frames.end());
-    const auto beside = network.make_beside_8bit(frames);
+    const auto beside = network.make_peer_8bit(frames);
     std::vector<float> exact(o.batch * network.outputs), ours(exact.size()), theirs(exact.size());
     const auto single = [&] { network.deployed(counts, exact); };
     const auto own = [&] { network.deployed_8bit(frames, ours); };

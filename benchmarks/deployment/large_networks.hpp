@@ -23,7 +23,7 @@ struct large_network {
     std::unique_ptr<peer> beside;
     /// Both in 8 bits, made when wanted; empty where a network is not measured in 8 bits.
     std::function<void(std::span<const std::uint8_t> frames, std::span<float> results)> deployed_8bit;
-    std::function<std::unique_ptr<byte_peer>(std::span<const std::uint8_t> frames)> make_beside_8bit;
+    std::function<std::unique_ptr<byte_peer>(std::span<const std::uint8_t> frames)> make_peer_8bit;
 };
 
 struct large_network_case {
