@@ -1,7 +1,7 @@
 // One frame through a recurrent layer with the state of the frame before, as in a control loop, and a whole
 // recording of 50 frames: deploy_stream, compared with the primitives of oneDNN where CMake found it (weights
 // in the layout that oneDNN prefers, one primitive for one frame and one for 50) and with the same layer
-// written plainly in Eigen. Times are microseconds per frame.
+// written plainly in Eigen; and the layer in 8 bits. Times are microseconds per frame.
 //
 //     OMP_NUM_THREADS=1 benchmark_streams
 //
@@ -9,9 +9,9 @@
 
 #include "../support/measure.hpp"
 
-#include <tactnet/deployment/stream.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/quantisation/stream_calibration.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <Eigen/Core>
@@ -250,8 +250,17 @@ bool compare() {
     });
     // Both sides round each of 50 steps; no output is above 1.
     bool agree = difference(ours, theirs) < 1e-4;
-    std::printf("%-4s %8zu %8zu %12.3f %8.3f %6.2f", Layer::cell::name, Features, hidden, own, eigen,
-                eigen / own);
+    std::vector<float> samples(recording.size()), in_bytes(ours.size()); // feature by feature
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        samples[i] = recording[i % frames * Features + i / frames];
+    const auto byte_stream = deploy_stream<eight_bit>(trained, samples);
+    const double eight = microseconds([&] {
+        typename decltype(byte_stream)::state memory;
+        (void)byte_stream.run(recording, memory, in_bytes);
+    });
+    agree = agree && difference(ours, in_bytes) < 0.1; // far more than weights and states of 8 bits lose
+    std::printf("%-4s %8zu %8zu %12.3f %8.3f %6.2f %8.3f %6.2f", Layer::cell::name, Features, hidden, own,
+                eight, eight / own, eigen, eigen / own);
 #ifdef TACTNET_BENCHMARK_ONEDNN
     for (const std::size_t at_once : {std::size_t{1}, frames}) {
         onednn_layer peer(values, at_once);
@@ -272,7 +281,8 @@ bool compare() {
 } // namespace
 
 int main() {
-    std::printf("%-4s %8s %8s %12s %8s %6s", "", "features", "hidden", "tactnet, µs", "Eigen", "ratio");
+    std::printf("%-4s %8s %8s %12s %8s %6s %8s %6s", "", "features", "hidden", "tactnet, µs", "8 bits",
+                "ratio", "Eigen", "ratio");
 #ifdef TACTNET_BENCHMARK_ONEDNN
     std::printf(" %14s %6s %14s %6s", "oneDNN, 1", "ratio", "oneDNN, 50", "ratio");
 #endif

@@ -53,7 +53,7 @@ const auto made = deploy(net{});
 #endif
 
 #ifdef CASE_sequences_as_frames
-// expect: deploy: a network of sequences runs frame by frame, in single precision: use deploy_stream
+// expect: deploy: a network of sequences runs frame by frame: use deploy_stream
 using net = network<shape{20, 1, 3}, gru<8>, last_frame, dense<3>>;
 const auto made = deploy(net{});
 #endif
@@ -133,7 +133,7 @@ constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
 
 #ifdef CASE_eight_bit_sequences
-// expect: deploy: a network of sequences runs frame by frame, in single precision: use deploy_stream
+// expect: deploy: a network of sequences runs frame by frame: use deploy_stream
 using net = network<shape{20, 1, 3}, gru<8>, last_frame, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
@@ -147,6 +147,21 @@ frame_status recognise(const deployed<net, eight_bit>& deployed,
                        std::span<float, net::outputs> logits) {
     return deployed.infer(frame, logits);
 }
+#endif
+
+#ifdef CASE_eight_bit_stream_activation_first
+// expect: deploy_stream: in 8 bits this layer does not run frame by frame here; runs_in_streams shows it, its input and the format of numbers. The first layer reads words of 16 bits: it must be gru, lstm, causal_conv1d or dense
+// at-most: 2
+using net = network<shape{20, 1, 3}, hyperbolic_tangent, gru<8>, last_frame, dense<2>>;
+constexpr std::size_t bytes = deployed_stream<net, eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_eight_bit_stream_of_all_frames
+// expect: deploy_stream: in 8 bits this layer does not run frame by frame here; runs_in_streams shows it
+// expect: dense<3
+// at-most: 2
+using net = network<shape{20, 1, 3}, gru<8>, dense<3>>;
+constexpr std::size_t bytes = deployed_stream<net, eight_bit>::weight_bytes;
 #endif
 
 #ifdef CASE_eight_bit_upsample_first
