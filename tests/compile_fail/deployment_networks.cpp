@@ -85,7 +85,7 @@ bool recognise(const deployed<net>& fast, tensor_view<const float, net::input_sh
 #endif
 
 #ifdef CASE_eight_bit_average_pool_first
-// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance or layer norm: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
 // at-most: 2
 using net = network<shape{8, 8}, average_pool<2>, conv2d<4, 3>, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
@@ -98,28 +98,42 @@ constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
 
 #ifdef CASE_eight_bit_gate_first
-// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance or layer norm: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
 // at-most: 4
 using net = network<shape{4, 4, 2}, squeeze_excitation<2, 1>, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
 
 #ifdef CASE_eight_bit_group_norm_first
-// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance or layer norm: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
 // at-most: 2
 using net = network<shape{8, 8, 2}, group_norm<2>, conv2d<4, 3>, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
 
+#ifdef CASE_eight_bit_local_response_norm_first
+// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
+// at-most: 2
+using net = network<shape{8, 8, 2}, local_response_norm<>, conv2d<4, 3>, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_eight_bit_local_response_norm_of_other_powers
+// expect: local_response_norm: in 8 bits beta must be 1/2, 3/4 or 1; exponent_of_roots shows it
+using other = local_response_norm<5, std::ratio<1>, std::ratio<4, 5>>;
+using net = network<shape{8, 8, 2}, conv2d<4, 3>, other, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
 #ifdef CASE_eight_bit_pool_first
-// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance or layer norm: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
 // at-most: 2
 using net = network<shape{8, 8}, max_pool<2>, conv2d<4, 3>, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
 
 #ifdef CASE_eight_bit_relu_first
-// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance or layer norm: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
 // at-most: 2
 using net = network<shape{8, 8}, relu, conv2d<4, 3>, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
@@ -165,7 +179,7 @@ constexpr std::size_t bytes = deployed_stream<net, eight_bit>::weight_bytes;
 #endif
 
 #ifdef CASE_eight_bit_upsample_first
-// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance or layer norm: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
 // at-most: 2
 using net = network<shape{8, 8}, upsample<2>, conv2d<4, 3>, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;

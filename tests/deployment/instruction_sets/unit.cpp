@@ -180,6 +180,9 @@ reduced_result TACTNET_TEST_UNIT() {
         network<shape{9, 8}, conv2d<12, 3>, group_norm<3>, relu, conv2d<20, 3>, instance_norm, conv2d<7, 3>,
                 layer_norm<norm_over::channels>, conv2d<16, 3>, layer_norm<norm_over::frame>, dense<5>>>(
         result, 36);
+    append_whole<network<shape{6, 7}, conv2d<9, 3>, local_response_norm<5, std::ratio<5>>, conv2d<6, 3>,
+                         local_response_norm<2, std::ratio<1>, std::ratio<1, 2>, std::ratio<2>>, dense<3>>>(
+        result, 39);
     append_stream<network<shape{9, 1, 3}, causal_conv1d<6, 3, 2>, relu, residual<causal_conv1d<6, 2>>,
                           gru<21>, lstm<18>, last_frame, dense<4>>>(result, 37);
     append_stream<network<shape{9, 1, 7}, lstm<5>, gru<33>>>(result, 38);

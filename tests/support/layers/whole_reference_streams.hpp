@@ -24,17 +24,6 @@ struct stream_frame {
     std::vector<float> floats;
 };
 
-/// sum × factor, rounded once in single precision.
-inline float scaled_sum(std::int64_t sum, double factor) {
-    return static_cast<float>(sum) * static_cast<float>(factor);
-}
-/// The byte of a number of steps.
-inline std::int64_t byte_of(float steps, std::int64_t zero, std::int64_t lowest = 0) {
-    const auto least = static_cast<double>(lowest - zero), most = static_cast<double>(255 - zero);
-    return static_cast<std::int64_t>(std::nearbyint(std::clamp(static_cast<double>(steps), least, most))) +
-           zero;
-}
-
 /// A product of frames: weights [output][input], biases, scales, the range of the input and of bytes.
 class stream_product {
 public:
@@ -69,9 +58,10 @@ public:
                 sum += weights_[o][i] * in[i];
             if (to_bytes_)
                 out.whole.push_back(
-                    byte_of(scaled_sum(sum, units_[o] / output.scale), output.zero, relu_ ? output.zero : 0));
+                    reference_byte(sum, static_cast<float>(units_[o] / output.scale), output.zero, relu_));
             else
-                out.floats.push_back(scaled_sum(relu_ ? std::max<std::int64_t>(sum, 0) : sum, units_[o]));
+                out.floats.push_back(static_cast<float>(relu_ ? std::max<std::int64_t>(sum, 0) : sum) *
+                                     static_cast<float>(units_[o]));
         }
         return out;
     }
@@ -150,9 +140,7 @@ struct reference_stream_step<tactnet::recurrent<Cell, Hidden>> {
             return static_cast<std::int64_t>(
                 std::nearbyint(std::clamp(static_cast<double>(value) * 2048, -32767.0, 32767.0)));
         };
-        const auto byte = [](const unit_state& s) {
-            return byte_of(static_cast<float>(s.h) * (127 / 32768.0F), 128, 1);
-        };
+        const auto byte = [](const unit_state& s) { return reference_byte(s.h, 127 / 32768.0F, 128, false); };
         return [=, last = place.last,
                 units = std::vector<unit_state>(Hidden)](const stream_frame& in) mutable -> stream_frame {
             std::vector<std::int64_t> bytes;
@@ -251,9 +239,8 @@ struct reference_stream_step<tactnet::residual<Main, Skip>> {
             const stream_frame added = skip(in);
             for (std::size_t i = 0; i < out.whole.size(); ++i)
                 out.whole[i] =
-                    byte_of(scaled_sum((out.whole[i] - a.zero) * of_a + (added.whole[i] - b.zero) * of_b,
-                                       unit / output.scale),
-                            output.zero);
+                    reference_byte((out.whole[i] - a.zero) * of_a + (added.whole[i] - b.zero) * of_b,
+                                   static_cast<float>(unit / output.scale), output.zero, false);
             return out;
         };
     }
