@@ -23,6 +23,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #ifdef TACTNET_BENCHMARK_ONEDNN
@@ -278,6 +279,36 @@ bool compare() {
     return agree;
 }
 
+/// Three causal convolutions with ReLU, each frame of a recording by itself. Returns whether outputs agree.
+template <std::size_t Filters>
+bool compare_causal() {
+    using net = network<shape{frames, 1, 6}, causal_conv1d<Filters, 3>, relu, causal_conv1d<Filters, 3, 2>,
+                        relu, causal_conv1d<Filters, 3, 4>, relu>;
+    net trained;
+    random_stream random(2, random_purposes::order);
+    trained.for_each_parameter([&](const parameter& p, std::span<float> values) {
+        for (float& value : values)
+            value = static_cast<float>(random.uniform(-2, 2) / std::sqrt(static_cast<double>(p.fan_in)));
+    });
+    std::vector<float> samples(frames * 6), recording(samples.size()), ours(frames * Filters),
+        in_bytes(ours.size());
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        recording[i % frames * 6 + i / frames] = samples[i] = static_cast<float>(random.uniform(-2, 2));
+    const auto stream = deploy_stream(trained);
+    const auto byte_stream = deploy_stream<eight_bit>(trained, samples);
+    const auto time = [&](const auto& some, std::vector<float>& to) {
+        return microseconds([&] {
+            typename std::remove_cvref_t<decltype(some)>::state memory;
+            (void)some.run(recording, memory, to);
+        });
+    };
+    const double own = time(stream, ours), eight = time(byte_stream, in_bytes);
+    const bool agree = difference(ours, in_bytes) < 0.1;
+    std::printf("%-4s %8d %8zu %12.3f %8.3f %6.2f%s\n", "conv", 6, Filters, own, eight, eight / own,
+                agree ? "" : "  outputs differ");
+    return agree;
+}
+
 } // namespace
 
 int main() {
@@ -292,5 +323,6 @@ int main() {
     agree &= compare<32, gru<32>>() & compare<64, gru<128>>();
     agree &= compare<6, lstm<8>>() & compare<6, lstm<16>>() & compare<6, lstm<32>>() & compare<6, lstm<64>>();
     agree &= compare<32, lstm<32>>() & compare<64, lstm<128>>();
+    agree &= compare_causal<16>() & compare_causal<64>();
     return agree ? EXIT_SUCCESS : EXIT_FAILURE;
 }
