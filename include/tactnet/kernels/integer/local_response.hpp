@@ -36,8 +36,7 @@ struct byte_response_constants {
 template <class Rule, std::size_t Channels, std::size_t Stride>
 void normalise_byte_responses(std::size_t pixels, const byte_response_constants& constants,
                               const std::uint8_t* in, std::uint8_t* out) noexcept {
-    static_assert(Rule::size * 255 * 255 <= 1 << 24,
-                  "local_response_norm: in 8 bits a window holds at most 258 channels");
+    static_assert(Rule::size * 255 * 255 <= 1 << 24); // single precision holds such sums of squares
     constexpr std::size_t width = std::min(widest_bytes(Stride), max_integer_lanes),
                           room = padded_size<float>(Stride);
     const auto power = [](float x) {
