@@ -23,15 +23,18 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// numbers come in this order.
 template <class Network>
 struct eight_bit_stream_plan {
-    static constexpr shape input = Network::input_shape;
+    static constexpr shape input = Network::input_shape; ///< of a whole sequence
     static_assert(
         one_column<input.columns>,
         "deploy_stream: the input must be a sequence {frames, 1, features}; one_column shows its columns");
+    /// Those of the layers, from words to floats or bytes.
     using steps = stream_step<typename detail::stream_logits<typename Network::specification>::type, input,
                               eight_bit_between<std::int16_t, float>>;
     /// Otherwise the last layer writes bytes.
     static constexpr bool writes_floats = std::is_same_v<typename steps::output_number, float>;
+    /// The range of the words, and of bytes that are outputs.
     static constexpr folded_arrays range{{"range", folded_kind::range, {map_range::numbers}}};
+    /// How many folded numbers there are.
     static constexpr std::size_t folded_elements =
         map_range::numbers + steps::folded_elements + (writes_floats ? 0 : map_range::numbers);
     static constexpr std::size_t output_range = folded_elements - map_range::numbers; ///< of bytes
@@ -66,7 +69,7 @@ public:
     using calls::features;
     using calls::outputs;
     static constexpr std::size_t weight_bytes = steps::packed_elements;
-    static constexpr std::size_t folded_elements = plan::folded_elements;
+    static constexpr std::size_t folded_elements = plan::folded_elements; ///< of `folded`
     /// What the network remembers from frame to frame, as a plain struct. `state{}` is the beginning of a
     /// recording; a copy is a point to return to.
     using state = typename steps::state;

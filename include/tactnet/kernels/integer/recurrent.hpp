@@ -18,8 +18,8 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The numbers of 16 bits in cells.
 struct cell_numbers {
-    static constexpr int gate_bits = 15, sum_bits = 11;
-    static constexpr std::int32_t most = 32767;
+    static constexpr int gate_bits = 15, sum_bits = 11; ///< after the point
+    static constexpr std::int32_t most = 32767;         ///< the largest magnitude
     /// A hidden state as a byte, for products and the next layer: (byte − 128) ÷ 127, from 1 to 255.
     static constexpr std::int32_t hidden_steps = 127, hidden_zero = 128;
 };
