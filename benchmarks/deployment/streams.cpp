@@ -1,7 +1,7 @@
 // One frame through a recurrent layer with the state of the frame before, as in a control loop, and a whole
 // recording of 50 frames: deploy_stream, compared with the primitives of oneDNN where CMake found it (weights
 // in the layout that oneDNN prefers, one primitive for one frame and one for 50) and with the same layer
-// written plainly in Eigen. Times are microseconds per frame.
+// written plainly in Eigen; and the layer in 8 bits. Times are microseconds per frame.
 //
 //     OMP_NUM_THREADS=1 benchmark_streams
 //
@@ -9,9 +9,9 @@
 
 #include "../support/measure.hpp"
 
-#include <tactnet/deployment/stream.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/quantisation/stream_calibration.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <Eigen/Core>
@@ -23,6 +23,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #ifdef TACTNET_BENCHMARK_ONEDNN
@@ -250,8 +251,17 @@ bool compare() {
     });
     // Both sides round each of 50 steps; no output is above 1.
     bool agree = difference(ours, theirs) < 1e-4;
-    std::printf("%-4s %8zu %8zu %12.3f %8.3f %6.2f", Layer::cell::name, Features, hidden, own, eigen,
-                eigen / own);
+    std::vector<float> samples(recording.size()), in_bytes(ours.size()); // feature by feature
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        samples[i] = recording[i % frames * Features + i / frames];
+    const auto byte_stream = deploy_stream<eight_bit>(trained, samples);
+    const double eight = microseconds([&] {
+        typename decltype(byte_stream)::state memory;
+        (void)byte_stream.run(recording, memory, in_bytes);
+    });
+    agree = agree && difference(ours, in_bytes) < 0.1; // far more than weights and states of 8 bits lose
+    std::printf("%-4s %8zu %8zu %12.3f %8.3f %6.2f %8.3f %6.2f", Layer::cell::name, Features, hidden, own,
+                eight, eight / own, eigen, eigen / own);
 #ifdef TACTNET_BENCHMARK_ONEDNN
     for (const std::size_t at_once : {std::size_t{1}, frames}) {
         onednn_layer peer(values, at_once);
@@ -269,10 +279,41 @@ bool compare() {
     return agree;
 }
 
+/// Three causal convolutions with ReLU, each frame of a recording by itself. Returns whether outputs agree.
+template <std::size_t Filters>
+bool compare_causal() {
+    using net = network<shape{frames, 1, 6}, causal_conv1d<Filters, 3>, relu, causal_conv1d<Filters, 3, 2>,
+                        relu, causal_conv1d<Filters, 3, 4>, relu>;
+    net trained;
+    random_stream random(2, random_purposes::order);
+    trained.for_each_parameter([&](const parameter& p, std::span<float> values) {
+        for (float& value : values)
+            value = static_cast<float>(random.uniform(-2, 2) / std::sqrt(static_cast<double>(p.fan_in)));
+    });
+    std::vector<float> samples(frames * 6), recording(samples.size()), ours(frames * Filters),
+        in_bytes(ours.size());
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        recording[i % frames * 6 + i / frames] = samples[i] = static_cast<float>(random.uniform(-2, 2));
+    const auto stream = deploy_stream(trained);
+    const auto byte_stream = deploy_stream<eight_bit>(trained, samples);
+    const auto time = [&](const auto& some, std::vector<float>& to) {
+        return microseconds([&] {
+            typename std::remove_cvref_t<decltype(some)>::state memory;
+            (void)some.run(recording, memory, to);
+        });
+    };
+    const double own = time(stream, ours), eight = time(byte_stream, in_bytes);
+    const bool agree = difference(ours, in_bytes) < 0.1;
+    std::printf("%-4s %8d %8zu %12.3f %8.3f %6.2f%s\n", "conv", 6, Filters, own, eight, eight / own,
+                agree ? "" : "  outputs differ");
+    return agree;
+}
+
 } // namespace
 
 int main() {
-    std::printf("%-4s %8s %8s %12s %8s %6s", "", "features", "hidden", "tactnet, µs", "Eigen", "ratio");
+    std::printf("%-4s %8s %8s %12s %8s %6s %8s %6s", "", "features", "hidden", "tactnet, µs", "8 bits",
+                "ratio", "Eigen", "ratio");
 #ifdef TACTNET_BENCHMARK_ONEDNN
     std::printf(" %14s %6s %14s %6s", "oneDNN, 1", "ratio", "oneDNN, 50", "ratio");
 #endif
@@ -282,5 +323,6 @@ int main() {
     agree &= compare<32, gru<32>>() & compare<64, gru<128>>();
     agree &= compare<6, lstm<8>>() & compare<6, lstm<16>>() & compare<6, lstm<32>>() & compare<6, lstm<64>>();
     agree &= compare<32, lstm<32>>() & compare<64, lstm<128>>();
+    agree &= compare_causal<16>() & compare_causal<64>();
     return agree ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -53,7 +53,7 @@ const auto made = deploy(net{});
 #endif
 
 #ifdef CASE_sequences_as_frames
-// expect: deploy: a network of sequences runs frame by frame, in single precision: use deploy_stream
+// expect: deploy: a network of sequences runs frame by frame: use deploy_stream
 using net = network<shape{20, 1, 3}, gru<8>, last_frame, dense<3>>;
 const auto made = deploy(net{});
 #endif
@@ -85,7 +85,7 @@ bool recognise(const deployed<net>& fast, tensor_view<const float, net::input_sh
 #endif
 
 #ifdef CASE_eight_bit_average_pool_first
-// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance or layer norm: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
 // at-most: 2
 using net = network<shape{8, 8}, average_pool<2>, conv2d<4, 3>, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
@@ -98,28 +98,43 @@ constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
 
 #ifdef CASE_eight_bit_gate_first
-// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance or layer norm: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
 // at-most: 4
 using net = network<shape{4, 4, 2}, squeeze_excitation<2, 1>, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
 
 #ifdef CASE_eight_bit_group_norm_first
-// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance or layer norm: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
 // at-most: 2
 using net = network<shape{8, 8, 2}, group_norm<2>, conv2d<4, 3>, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
 
+#ifdef CASE_eight_bit_local_response_norm_first
+// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
+// at-most: 2
+using net = network<shape{8, 8, 2}, local_response_norm<>, conv2d<4, 3>, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_eight_bit_local_response_norm_of_other_powers
+// expect: local_response_norm: in 8 bits beta must be 1/2, 3/4 or 1; exponent_of_roots shows it
+// at-most: 2
+using other = local_response_norm<5, std::ratio<1>, std::ratio<4, 5>>;
+using net = network<shape{8, 8, 2}, conv2d<4, 3>, other, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
 #ifdef CASE_eight_bit_pool_first
-// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance or layer norm: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
 // at-most: 2
 using net = network<shape{8, 8}, max_pool<2>, conv2d<4, 3>, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
 
 #ifdef CASE_eight_bit_relu_first
-// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance or layer norm: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
 // at-most: 2
 using net = network<shape{8, 8}, relu, conv2d<4, 3>, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
@@ -133,7 +148,7 @@ constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
 
 #ifdef CASE_eight_bit_sequences
-// expect: deploy: a network of sequences runs frame by frame, in single precision: use deploy_stream
+// expect: deploy: a network of sequences runs frame by frame: use deploy_stream
 using net = network<shape{20, 1, 3}, gru<8>, last_frame, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
@@ -149,8 +164,23 @@ frame_status recognise(const deployed<net, eight_bit>& deployed,
 }
 #endif
 
+#ifdef CASE_eight_bit_stream_activation_first
+// expect: deploy_stream: in 8 bits this layer does not run frame by frame here; runs_in_streams shows it, its input and the format of numbers. The first layer reads words of 16 bits: it must be gru, lstm, causal_conv1d or dense
+// at-most: 2
+using net = network<shape{20, 1, 3}, hyperbolic_tangent, gru<8>, last_frame, dense<2>>;
+constexpr std::size_t bytes = deployed_stream<net, eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_eight_bit_stream_of_all_frames
+// expect: deploy_stream: in 8 bits this layer does not run frame by frame here; runs_in_streams shows it
+// expect: dense<3
+// at-most: 2
+using net = network<shape{20, 1, 3}, gru<8>, dense<3>>;
+constexpr std::size_t bytes = deployed_stream<net, eight_bit>::weight_bytes;
+#endif
+
 #ifdef CASE_eight_bit_upsample_first
-// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance or layer norm: a convolution, a dense layer or a batch norm
+// expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
 // at-most: 2
 using net = network<shape{8, 8}, upsample<2>, conv2d<4, 3>, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;

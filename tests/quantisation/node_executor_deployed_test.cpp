@@ -29,10 +29,11 @@ using resizing_steps = network<shape{7, 6, 2}, conv2d<8, 3>, parametric_relu,
                                upsample_to<extent2d(11, 13), interpolation::bilinear>, conv2d<5, 2, 2>,
                                adaptive_max_pool<extent2d(5, 4)>, transposed_conv2d<6, 3, 2>, relu,
                                upsample<extent2d(1, 2)>, conv2d<5, 2, 2>, parametric_relu, dense<5>>;
-/// Norms with moments of each frame.
+/// Norms with moments of each frame, and of responses.
 using norm_steps =
     network<shape{7, 6, 2}, conv2d<8, 3>, group_norm<4>, relu, conv2d<6, 3>, layer_norm<norm_over::frame>,
-            conv2d<12, 1>, layer_norm<norm_over::channels>, conv2d<5, 2, 2>, instance_norm, relu, dense<5>>;
+            conv2d<12, 1>, layer_norm<norm_over::channels>, local_response_norm<3, std::ratio<2>>,
+            conv2d<5, 2, 2>, instance_norm, relu, dense<5>>;
 
 /// The map that a description writes last, of a frame of counts with a mean of zero.
 template <class Network>

@@ -3,6 +3,7 @@
 
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/quantisation/stream_calibration.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/simulation/contact/contact.hpp>
@@ -18,9 +19,11 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <support/same_bits.hpp>
+#include <type_traits>
 #include <vector>
 
 using namespace tactnet;
@@ -96,6 +99,59 @@ TEST_CASE("trainer: a network of sequences learns the course of simulated squeez
     CHECK(accuracy<network<squeezes::size, last_frame, dense<8>, relu, dense<2>>>(data) < 0.75);
     CHECK(accuracy<network<squeezes::size, causal_conv1d<8, 1>, relu, global_average_pool, dense<2>>>(data) <
           0.75);
+}
+
+namespace {
+
+/// How many of the test squeezes a network of two classes recognises frame by frame, in single precision and
+/// in 8 bits, and how many there are.
+struct recognised {
+    std::size_t exact = 0, in_8_bits = 0, all = 0;
+};
+template <class Network>
+recognised recognised_in_streams(const squeezes& data) {
+    const data_split split =
+        split_data(data.labels, 2, split_rule::random, 1, {.validation = 0.2, .test = 0.3});
+    thread_pool threads(1);
+    const auto training = trained<Network>(data, split, threads);
+    const auto samples_of = [&](const std::vector<std::size_t>& numbers) {
+        std::vector<float> samples;
+        for (const std::size_t number : numbers)
+            for (std::size_t e = 0; e < squeezes::size.size(); ++e)
+                samples.push_back(data.values[number * squeezes::size.size() + e]);
+        return samples;
+    };
+    const auto exact = deploy_stream(training.best());
+    const auto in_8_bits = deploy_stream<eight_bit>(training.best(), samples_of(split.training));
+    recognised found;
+    for (const std::size_t number : split.test) {
+        const std::vector<float> sample = samples_of({number});
+        const auto last_class = [&](const auto& stream) {
+            typename std::remove_cvref_t<decltype(stream)>::state memory;
+            std::size_t index = 0;
+            for (std::size_t frame = 0; frame < squeezes::size.rows; ++frame)
+                index =
+                    stream.classify(std::array{sample[frame], sample[squeezes::size.rows + frame]}, memory)
+                        ->index;
+            return index;
+        };
+        found.exact += last_class(exact) == data.labels[number];
+        found.in_8_bits += last_class(in_8_bits) == data.labels[number];
+        ++found.all;
+    }
+    return found;
+}
+
+} // namespace
+
+TEST_CASE_TEMPLATE(
+    "deployed_stream in 8 bits: recognises the squeezes that single precision recognises", Network,
+    network<squeezes::size, gru<8>, last_frame, dense<2>>,
+    network<squeezes::size, lstm<8>, last_frame, dense<2>>,
+    network<squeezes::size, causal_conv1d<8, 4>, relu, causal_conv1d<8, 4, 4>, relu, last_frame, dense<2>>) {
+    const recognised found = recognised_in_streams<Network>(squeezes(240));
+    CHECK(10 * found.exact > 9 * found.all);
+    CHECK(found.in_8_bits + 1 >= found.exact); // one of 72 may lie between the classes
 }
 
 TEST_CASE("trainer: training through time has the same bits on any number of threads") {

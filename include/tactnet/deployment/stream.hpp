@@ -1,9 +1,9 @@
 #pragma once
 
 #include <tactnet/deployment/frame_ref.hpp>
+#include <tactnet/deployment/streaming/stream_calls.hpp>
 #include <tactnet/deployment/streaming/stream_list.hpp>
 #include <tactnet/networks/network.hpp>
-#include <tactnet/networks/recognition.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
@@ -11,7 +11,6 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <optional>
 #include <span>
 #include <stdexcept>
 #include <type_traits>
@@ -41,8 +40,15 @@ struct stream_logits<sequence<Specs...>> {
 /// `Network` has an input {frames, 1, features} and runs through time by causal layers only: gru, lstm,
 /// causal_conv1d, activations, dropout, residual blocks and lists of these; then, after last_frame, dense
 /// layers. The outputs are logits, also if the network ends in a softmax.
-template <class Network>
-class deployed_stream {
+///
+/// deployment/eight_bit/stream.hpp specialises it for the format `eight_bit`.
+template <class Network, class Format = single_precision>
+class deployed_stream : public detail::stream_calls<deployed_stream<Network>, Network::input_shape.channels,
+                                                    Network::output_shape.channels> {
+    static_assert(std::is_same_v<Format, single_precision>,
+                  "deploy_stream: include tactnet/quantisation.hpp for streams in 8 bits");
+    using calls =
+        detail::stream_calls<deployed_stream, Network::input_shape.channels, Network::output_shape.channels>;
     static constexpr shape input = Network::input_shape;
     static_assert(
         one_column<input.columns>,
@@ -51,8 +57,8 @@ class deployed_stream {
     static constexpr std::size_t padded_outputs = kernels::padded_size<float>(Network::output_shape.channels);
 
 public:
-    static constexpr std::size_t features = input.channels;                ///< numbers of a frame
-    static constexpr std::size_t outputs = Network::output_shape.channels; ///< numbers after each frame
+    using calls::features;
+    using calls::outputs;
     static constexpr std::size_t weight_bytes = steps::packed_elements * sizeof(float);
 
     /// What the network remembers from frame to frame, as a plain struct. `state{}` is the beginning of a
@@ -100,26 +106,6 @@ public:
         steps::run(packed_.data(), in.data(), memory, out.data());
         std::copy_n(out.data(), outputs, to.data());
         return frame_status::ok;
-    }
-    /// As `step`, and returns the class that the outputs name: the largest logit, and its probability by a
-    /// softmax. std::nullopt for a broken frame, which leaves the state unchanged.
-    [[nodiscard]] std::optional<recognition> classify(std::span<const float, features> frame,
-                                                      state& memory) const noexcept {
-        std::array<float, outputs> found;
-        return step(frame, memory, found) == frame_status::ok ? classify_logits(found, outputs)
-                                                              : std::nullopt;
-    }
-    /// Takes a recording, `features` numbers of one frame after the other, and writes `outputs` numbers for
-    /// each frame: the bits of a `step` for each. Returns the number of frames that were taken: all that are
-    /// whole in both spans, or those before the first broken one, where the state stays.
-    [[nodiscard]] std::size_t run(std::span<const float> recording, state& memory,
-                                  std::span<float> to) const noexcept {
-        const std::size_t frames = std::min(recording.size() / features, to.size() / outputs);
-        for (std::size_t i = 0; i < frames; ++i)
-            if (step(recording.subspan(i * features).template first<features>(), memory,
-                     to.subspan(i * outputs).template first<outputs>()) != frame_status::ok)
-                return i;
-        return frames;
     }
 
 private:

@@ -10,14 +10,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <ratio>
 #include <stdexcept>
 #include <support/allocations.hpp>
 #include <support/guarded_map.hpp>
 #include <type_traits>
 #include <vector>
 
-// Group, instance and layer norms in 8 bits: every bit against plain loops in whole numbers, and each byte
-// against the layer in double precision.
+// Group, instance, layer and local response norms in 8 bits: every bit against plain loops in whole numbers,
+// and each byte against the layer in double precision.
 
 using namespace tactnet;
 using support::frames_that_differ;
@@ -51,6 +52,69 @@ TEST_CASE(
                 layer_norm<channels>, squeeze_excitation<12, 3>, group_norm<3>, average_pool<2>, dense<3>,
                 softmax>;
     CHECK(frames_that_differ<branches>(73, 20) == 0);
+}
+
+TEST_CASE("eight_bit: local response norms give the bits of the plain reference") {
+    using strong = local_response_norm<5, std::ratio<5>>;
+    using responses =
+        network<shape{7, 6, 3}, conv2d<20, 3>, relu, strong, conv2d<33, 3>,
+                local_response_norm<4, std::ratio<1>, std::ratio<1, 2>, std::ratio<2>>, max_pool<2>,
+                conv2d<3, 1>, local_response_norm<7, std::ratio<3, 2>, std::ratio<1>, std::ratio<1, 3>>,
+                conv2d<16, 2>, local_response_norm<>, local_response_norm<1, std::ratio<0>>, dense<5>>;
+    CHECK(frames_that_differ<responses>(77, 20) == 0);
+}
+
+namespace {
+
+/// How many steps of the output the bytes of a local response norm are further from the norm in double
+/// precision than roundings may bring them: half a step for the byte; no other number is rounded more than
+/// sixteen times on its way, the sum with the margin and five numbers each of three powers.
+template <class Norm, shape Map, std::size_t Stride>
+double responses_beyond_bound(map_range input, map_range output, auto draw_byte) {
+    using place = layer_place<eight_bit, typename sequence<Norm>::template layer<float, Map>, 0, Stride>;
+    using step = typename lowering<Norm>::template at<place>::step;
+    std::array<float, step::folded_elements> folded{};
+    step::arrays.write_ranges(folded.data(), {input, {}, output});
+    constexpr std::size_t elements = Map.area() * Stride;
+    aligned_vector<std::uint8_t> in(elements, std::uint8_t{0xa5}), out(elements);
+    support::sample values(Map.size());
+    for (std::size_t e = 0; e < Map.size(); ++e) {
+        std::uint8_t& byte = in[e % Map.area() * Stride + e / Map.area()];
+        byte = draw_byte(e);
+        values[e].value = (byte - static_cast<double>(input.zero_point)) * static_cast<double>(input.scale);
+    }
+    aligned_vector<std::int8_t> packed(step::packed_elements);
+    step::pack(folded.data(), packed.data());
+    step::run(packed.data(), in.data(), out.data(), nullptr);
+    const auto exact =
+        support::reference_of<Norm>::on({Map.channels, Map.rows, Map.columns})->forward({}, {values});
+    double worst = -INFINITY;
+    for (std::size_t e = 0; e < Map.size(); ++e) {
+        const double steps = exact[0][e].value / static_cast<double>(output.scale);
+        const double wanted = std::clamp(steps + static_cast<double>(output.zero_point), 0.0, 255.0);
+        const double found = out[e % Map.area() * Stride + e / Map.area()];
+        worst = std::max(worst, std::abs(found - wanted) -
+                                    (0.5 + 16 * support::unit_roundoff<float> * std::abs(steps)));
+    }
+    return worst;
+}
+
+} // namespace
+
+TEST_CASE_TEMPLATE("eight_bit: a local response norm within half a step and sixteen roundings", Norm,
+                   local_response_norm<>, local_response_norm<5, std::ratio<5>>,
+                   local_response_norm<4, std::ratio<1>, std::ratio<1, 2>, std::ratio<2>>,
+                   local_response_norm<7, std::ratio<1000>, std::ratio<1>, std::ratio<1, 1000>>,
+                   local_response_norm<2, std::ratio<0>>) {
+    std::uint64_t state = 84;
+    const auto any = [&](std::size_t) { return static_cast<std::uint8_t>(128 + 127 * support::draw(state)); };
+    for (const map_range input : {map_range{0.02f, 100}, map_range{1e-6f, 0}, map_range{1e3f, 255}})
+        for (const float scale : {0.3F, 1.0F, 3.0F}) {
+            const map_range output{input.scale * scale, 120};
+            CHECK(responses_beyond_bound<Norm, shape{5, 7, 6}, 16>(input, output, any) <= 0);
+            CHECK(responses_beyond_bound<Norm, shape{3, 2, 33}, 48>(input, output, any) <= 0);
+            CHECK(responses_beyond_bound<Norm, shape{3, 2, 9}, 9>(input, output, any) <= 0);
+        }
 }
 
 namespace {
@@ -186,7 +250,7 @@ TEST_CASE("eight_bit: an epsilon that is not above zero and a bias far beyond th
 
 TEST_CASE("eight_bit: calls of a network with norms use no heap") {
     using net = network<shape{5, 6}, conv2d<4, 3>, group_norm<2>, relu, conv2d<6, 3>, layer_norm<frame>,
-                        conv2d<4, 1>, layer_norm<channels>, dense<3>>;
+                        local_response_norm<>, conv2d<4, 1>, layer_norm<channels>, dense<3>>;
     net trained;
     support::fill(trained, 75);
     const support::byte_network<net> network(support::calibrated(trained, 75, 3).folded());

@@ -7,11 +7,13 @@
 #include <tactnet/detail/instruction_set.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/quantisation/calibration.hpp>
+#include <tactnet/quantisation/stream_calibration.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 
 #include <array>
 #include <bit>
 #include <support/layers/whole_reference.hpp>
+#include <support/layers/whole_reference_streams.hpp>
 #include <support/same_bits.hpp>
 
 using namespace tactnet;
@@ -115,6 +117,39 @@ void append_whole(reduced_result& result, std::uint64_t seed) {
     }
 }
 
+/// A stream in 8 bits of drawn numbers, folded already.
+template <class Network>
+void append_stream(reduced_result& result, std::uint64_t seed) {
+    using stream_in_bytes = deployed_stream<Network, eight_bit>;
+    using plan = eight_bit_stream_plan<Network>;
+    support::numbers draw(seed);
+    const auto next = [&](float low, float high, float parts) {
+        return std::round(draw.next(low * parts, high * parts)) / parts;
+    };
+    std::vector<float> parameters(Network::parameters), folded(plan::folded_elements),
+        recording(6 * stream_in_bytes::features);
+    for (float& number : parameters)
+        number = next(-0.5f, 0.5f, 4096);
+    for (float& number : recording)
+        number = next(-2, 2, 4096);
+    std::vector<map_range> ranges;
+    while (ranges.size() < 16)
+        ranges.push_back({next(2, 6, 16) / 128, next(60, 200, 1)});
+    const map_range words{1.0f / 4096, 0}, *observed = ranges.data();
+    words.write(folded.data());
+    plan::steps::fold(parameters.data(), folded.data() + map_range::numbers);
+    plan::steps::set_ranges(folded.data() + map_range::numbers, words, observed);
+
+    const stream_in_bytes stream{std::span<const float, plan::folded_elements>(folded)};
+    typename stream_in_bytes::state memory;
+    std::vector<float> out(6 * stream_in_bytes::outputs, NAN);
+    result.as_reference =
+        result.as_reference && stream.run(recording, memory, out) == 6 &&
+        support::same_bits(out, support::reference_stream_outputs<Network>(folded, recording));
+    for (const float o : out)
+        result.whole.push_back(std::bit_cast<std::uint32_t>(o));
+}
+
 // All instruction sets fuse the same layers, here one pool of three: files name weights by the steps.
 using of_pools = network<shape{36, 36}, conv2d<8, 3>, max_pool<3>, conv2d<16, 3>, max_pool<extent2d(2, 3)>,
                          relu, conv2d<4, 3>, max_pool<4>, dense<3>>;
@@ -145,5 +180,11 @@ reduced_result TACTNET_TEST_UNIT() {
         network<shape{9, 8}, conv2d<12, 3>, group_norm<3>, relu, conv2d<20, 3>, instance_norm, conv2d<7, 3>,
                 layer_norm<norm_over::channels>, conv2d<16, 3>, layer_norm<norm_over::frame>, dense<5>>>(
         result, 36);
+    append_whole<network<shape{6, 7}, conv2d<9, 3>, local_response_norm<5, std::ratio<5>>, conv2d<6, 3>,
+                         local_response_norm<2, std::ratio<1>, std::ratio<1, 2>, std::ratio<2>>, dense<3>>>(
+        result, 39);
+    append_stream<network<shape{9, 1, 3}, causal_conv1d<6, 3, 2>, relu, residual<causal_conv1d<6, 2>>,
+                          gru<21>, lstm<18>, last_frame, dense<4>>>(result, 37);
+    append_stream<network<shape{9, 1, 7}, lstm<5>, gru<33>>>(result, 38);
     return result;
 }

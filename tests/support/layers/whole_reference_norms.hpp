@@ -1,13 +1,16 @@
 #pragma once
 
-// What norms with moments of each frame must give in 8 bits. whole_reference.hpp includes it.
+// What norms with moments of each frame, and of responses, must give in 8 bits. whole_reference.hpp includes
+// it.
 
+#include <tactnet/deployment/eight_bit/steps/local_response_norm.hpp>
 #include <tactnet/deployment/eight_bit/steps/sample_norm.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <ratio>
 #include <support/layers/whole_reference.hpp>
 #include <vector>
 
@@ -55,6 +58,48 @@ struct reference_step<tactnet::sample_norm_step<tactnet::eight_bit, Map, Stride,
                 std::nearbyint(std::clamp(static_cast<double>(product), -most, most)) + std::nearbyint(bias);
             result.whole[e] =
                 reference_byte(static_cast<std::int64_t>(of_parts), 1.0f / 256, output.zero, Rectified);
+        }
+        return result;
+    }
+};
+
+/// Sums of squares are whole. What comes after them is rounded number by number.
+template <tactnet::shape Map, std::size_t Stride, std::size_t Size, class Alpha, class Beta, class K,
+          class Products>
+struct reference_step<
+    tactnet::local_response_norm_step<tactnet::eight_bit, Map, Stride,
+                                      tactnet::kernels::response_rule<Size, Alpha, Beta, K>>,
+    Products> {
+    static float power(float x) { // x^−β
+        const float root = std::sqrt(x);
+        if (std::ratio_equal_v<Beta, std::ratio<3, 4>>) {
+            const float product = root * std::sqrt(root);
+            return 1 / product;
+        }
+        return 1 / (std::ratio_equal_v<Beta, std::ratio<1>> ? x : root);
+    }
+    static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
+        const reference_range input = reference_range::next(folded), output = reference_range::next(folded);
+        const auto value = []<class Ratio>(Ratio) {
+            return static_cast<double>(Ratio::num) / static_cast<double>(Ratio::den);
+        };
+        const double of_square = value(Alpha{}) / static_cast<double>(Size) * input.scale * input.scale,
+                     k = value(K{});
+        const auto margin = static_cast<float>(of_square * 1e24 > k ? std::max(k / of_square, 1e-24) : 1e24);
+        const float quotient = power(static_cast<float>(k)) / power(margin),
+                    factor = static_cast<float>(input.scale / output.scale) * quotient;
+        whole_map result = in;
+        for (std::size_t e = 0; e < in.whole.size(); ++e) {
+            const std::size_t c = e % Map.channels;
+            std::int64_t squares = 0;
+            for (std::size_t i = 0; i < Map.channels; ++i)
+                if (i + Size / 2 >= c && i <= c + (Size - 1) / 2) {
+                    const std::int64_t distance = in.whole[e - c + i] - input.zero;
+                    squares += distance * distance;
+                }
+            const float base = static_cast<float>(squares) + margin, of_base = power(base);
+            const float factors = of_base * factor;
+            result.whole[e] = reference_byte(in.whole[e] - input.zero, factors, output.zero, false);
         }
         return result;
     }

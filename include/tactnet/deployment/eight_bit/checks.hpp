@@ -41,7 +41,8 @@ class folded_checker {
 public:
     [[gnu::cold]] folded_checker(const folded_layout& layout, std::span<const float> folded)
         : folded_(folded) {
-        check_frame(layout.input.size());
+        if (layout.steps_folded > 0)
+            check_frame(layout.input.size());
         for (const folded_step& step : layout.steps) {
             if (problem_)
                 return;

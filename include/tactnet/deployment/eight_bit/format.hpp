@@ -136,7 +136,8 @@ struct cannot_read_the_frame {
     static_assert(
         Stride == 0,
         "deploy: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, "
-        "instance or layer norm: a convolution, a dense layer or a batch norm must come first");
+        "instance, layer or local response norm: a convolution, a dense layer or a batch norm must come "
+        "first");
 };
 
 } // namespace detail

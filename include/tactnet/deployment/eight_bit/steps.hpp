@@ -7,6 +7,7 @@
 #include <tactnet/deployment/eight_bit/steps/dilation_phases.hpp>
 #include <tactnet/deployment/eight_bit/steps/elementwise.hpp>
 #include <tactnet/deployment/eight_bit/steps/gate.hpp>
+#include <tactnet/deployment/eight_bit/steps/local_response_norm.hpp>
 #include <tactnet/deployment/eight_bit/steps/parametric_relu.hpp>
 #include <tactnet/deployment/eight_bit/steps/pooling.hpp>
 #include <tactnet/deployment/eight_bit/steps/resampling.hpp>

@@ -101,8 +101,7 @@ private:
         std::declval<detail::indexed_leaves<std::type_identity<Specs>...>>()))::type;
     static constexpr bool check_frames() {
         static_assert((!layer_of_sequences<Specs> && ...),
-                      "deploy: a network of sequences runs frame by frame, in single precision: use "
-                      "deploy_stream");
+                      "deploy: a network of sequences runs frame by frame: use deploy_stream");
         return true;
     }
     static_assert(check_frames());

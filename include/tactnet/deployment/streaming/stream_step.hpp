@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/kernels/frame/ordered_product.hpp>
 #include <tactnet/layers/activations/activation.hpp>
 #include <tactnet/layers/dense.hpp>
@@ -23,14 +24,15 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// What a layer does with one frame, specialised for each layer that can run frame by frame.
-template <class Spec, shape Input>
+/// What a layer does with one frame, specialised for each layer that can run frame by frame, and for each
+/// number format. deployment/eight_bit/streaming has the steps in 8 bits.
+template <class Spec, shape Input, class Format = single_precision>
 struct stream_step;
 
 /// Whether `deploy_stream` can run the layer frame by frame.
-template <class Spec, shape Input>
+template <class Spec, shape Input, class Format = single_precision>
 concept runs_in_streams = requires {
-    sizeof(stream_step<Spec, Input>);
+    sizeof(stream_step<Spec, Input, Format>);
 };
 
 namespace detail {

@@ -37,6 +37,8 @@ struct direct_integer_layout {
     static constexpr std::size_t block_vectors = [] {
         if constexpr (few_registers)
             return C.pool.area() > 1 ? 1 : std::min<std::size_t>(vectors, 2);
+        else if constexpr (C.rows() * C.columns() == 1) // enough sums that products need not wait for another
+            return ceil_div(vectors, ceil_div(vectors, max_block_sums));
         else
             return C.block_vectors();
     }();

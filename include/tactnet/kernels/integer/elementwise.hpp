@@ -83,4 +83,27 @@ void roots_to_bytes(const Number* from, std::size_t count, std::int32_t zero, fl
     }
 }
 
+/// The sum of two maps of bytes with different ranges: bytes times integers, exactly, and requantised.
+struct byte_sum {
+    /// The largest weight: both products together have 25 bits, so they convert to floats with one rounding.
+    static constexpr std::int32_t most_weight = 32767;
+
+    std::array<std::int32_t, 2> weights; ///< of a byte of each map
+    std::int32_t start;                  ///< less what both zeros count
+    float factor;                        ///< from sums to steps of the output
+    std::int32_t zero;                   ///< of the output
+
+    /// Adds a map to another one; both have whole cache lines.
+    template <std::size_t Count>
+    void add(const std::uint8_t* added, std::uint8_t* to) const noexcept {
+        constexpr std::size_t width = max_integer_lanes;
+        const auto load = [](const std::uint8_t* from) {
+            return to_int32<width>(load_bytes_as<uint8_vec<width>>(from));
+        };
+        for (std::size_t e = 0; e < Count; e += width)
+            store_rounded<width>(to + e, load(to + e) * weights[0] + load(added + e) * weights[1] + start,
+                                 factor + float_vec<width>{}, {0, 255, zero});
+    }
+};
+
 }}} // namespace tactnet::kernels

@@ -34,9 +34,10 @@ using branched_network = tactnet::network<
     tactnet::parametric_relu, tactnet::adaptive_max_pool<tactnet::extent2d{5, 4}>,
     tactnet::upsample<tactnet::extent2d{1, 2}>, tactnet::upsample<2, tactnet::interpolation::bilinear>,
     tactnet::transposed_conv2d<5, 3, tactnet::extent2d{2, 1}>, tactnet::dilated_conv2d<7, 3>, tactnet::relu,
-    tactnet::conv2d<6, 1>, own::softsign<50>, tactnet::group_norm<2>, tactnet::relu,
-    tactnet::layer_norm<tactnet::norm_over::channels>, tactnet::layer_norm<tactnet::norm_over::frame>,
-    tactnet::average_pool<2, 1>, tactnet::dense<3>, tactnet::softmax>;
+    tactnet::conv2d<6, 1>, own::softsign<50>, tactnet::local_response_norm<>, tactnet::group_norm<2>,
+    tactnet::relu, tactnet::layer_norm<tactnet::norm_over::channels>,
+    tactnet::layer_norm<tactnet::norm_over::frame>, tactnet::average_pool<2, 1>, tactnet::dense<3>,
+    tactnet::softmax>;
 
 /// Calibrated on a few frames.
 template <class Network>

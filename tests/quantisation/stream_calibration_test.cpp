@@ -1,0 +1,101 @@
+#include <tactnet/layers.hpp>
+#include <tactnet/quantisation/stream_calibration.hpp>
+#include <tactnet/runtime/random.hpp>
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+using net = network<shape{40, 1, 3}, causal_conv1d<6, 2>, relu, gru<16>, last_frame, dense<4>>;
+
+net drawn() {
+    net network;
+    random_stream random(1, random_purposes::order, 0);
+    for (float& value : network.learnable_values())
+        value = static_cast<float>(random.uniform(-0.5, 0.5));
+    return network;
+}
+std::vector<float> drawn_samples(std::size_t count) {
+    random_stream random(2, random_purposes::order, 0);
+    std::vector<float> all(count * net::input_shape.size());
+    for (float& value : all)
+        value = static_cast<float>(random.uniform(-2, 2));
+    return all;
+}
+
+} // namespace
+
+TEST_CASE("stream_calibration: ranges are those of the sequences") {
+    std::vector<float> all = drawn_samples(3);
+    all[77] = -5; // the largest magnitude
+    const stream_calibration<net> found(drawn(), all);
+    const folded_layout layout = eight_bit_stream_plan<net>::layout();
+    const auto range = [&](std::size_t step, const char* name) {
+        return map_range::read(&found.folded()[layout.steps[step].find(name)->offset]);
+    };
+    CHECK(range(0, "range").scale == 5 * 4 / 32767.0F);
+    CHECK(range(0, "range").zero_point == 0);
+    CHECK(range(1, "input").scale == range(0, "range").scale);
+    CHECK(range(1, "output").zero_point == 0); // with the ReLU
+    CHECK(range(2, "input").scale == range(1, "output").scale);
+    CHECK(range(3, "input").scale == 1 / 127.0F);
+    CHECK(range(3, "input").zero_point == 128);
+}
+
+TEST_CASE("stream_calibration: each sequence begins anew") {
+    using pairs = network<shape{4, 1, 1}, causal_conv1d<1, 2>, relu, gru<2>>;
+    pairs network;
+    for (float& value : network.learnable_values())
+        value = 0.5F;
+    // Half of a frame, half of the one before, and a bias of a half: 2.5 if the second sequence went on.
+    const std::vector<float> all{0, 0, 0, 2, 2, 0, 0, 0};
+    const stream_calibration<pairs> found(network, all);
+    const folded_layout layout = eight_bit_stream_plan<pairs>::layout();
+    CHECK(map_range::read(&found.folded()[layout.steps[1].find("output")->offset]).scale == 1.5F / 255);
+}
+
+TEST_CASE("stream_calibration: wrong calibration sequences and parameters are refused") {
+    auto network = drawn();
+    std::vector<float> all = drawn_samples(2);
+    const auto message = [&](std::size_t numbers) -> std::string {
+        try {
+            (void)deploy_stream<eight_bit>(network, std::span<const float>(all).first(numbers));
+        } catch (const std::invalid_argument& e) {
+            return e.what();
+        }
+        return "";
+    };
+    CHECK(message(240) == "");
+    CHECK(message(0) ==
+          "deploy_stream: expected one or more calibration sequences of 120 numbers, found 0 numbers");
+    CHECK(message(130).ends_with("found 130 numbers"));
+    all[5] = std::numeric_limits<float>::quiet_NaN();
+    CHECK(message(240).starts_with("deploy_stream: expected calibration sequences that give finite numbers"));
+    all[5] = 0;
+    network.learnable_values()[3] = std::numeric_limits<float>::infinity();
+    CHECK(message(240).starts_with("deploy_stream: expected parameters that give finite numbers"));
+}
+
+TEST_CASE("stream_calibration: sequences of zeros calibrate, too") {
+    const auto network = drawn();
+    const std::vector<float> all(net::input_shape.size());
+    std::vector<float> expected(40 * 4), found(40 * 4);
+    const auto exact = deploy_stream(network);
+    const auto in_8_bits = deploy_stream<eight_bit>(network, all);
+    decltype(exact)::state one;
+    decltype(in_8_bits)::state other;
+    CHECK(exact.run(all, one, expected) == 40);
+    CHECK(in_8_bits.run(all, other, found) == 40);
+    for (std::size_t i = 0; i < found.size(); ++i)
+        CHECK(std::abs(found[i] - expected[i]) < 0.02F);
+}
