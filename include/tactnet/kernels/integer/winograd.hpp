@@ -59,7 +59,7 @@ template <frame_convolution C, class Tiles>
                         load_bytes_as<bytes>(pixels[y * columns + x] + channel));
                 },
                 [&](std::size_t y, std::size_t x, const words& element) __attribute__((always_inline)) {
-                    store_any(to + (y * columns + x) * Tiles::band * Tiles::channels + channel, element);
+                    store_any(to + (y * columns + x) * Tiles::input_distance + channel, element);
                 },
                 integer_input_lines{});
     }
@@ -114,7 +114,7 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
 #pragma GCC unroll 64
                 for (std::size_t y = 0; y < rows; ++y)
                     column[y] =
-                        load_bytes_as<wrapping>(products + (y * columns + x) * Tiles::band * Vectors * width);
+                        load_bytes_as<wrapping>(products + (y * columns + x) * Tiles::product_distance);
                 const auto line = integer_output_line<high>(column);
 #pragma GCC unroll 64
                 for (std::size_t y = 0; y < high; ++y)
@@ -195,9 +195,9 @@ struct integer_tile_method {
                 for (std::size_t e = 0; e < tiles::elements; ++e)
                     blocked<band, tiles::block>([&](auto count, std::size_t tile) {
                         detail::multiply_integer_tiles<tiles, vectors, count>(
-                            transformed + (e * tiles::band + tile) * tiles::channels,
+                            transformed + e * tiles::input_distance + tile * tiles::channels,
                             of_block + e * tiles::groups * tiles::group * vectors * tiles::width,
-                            products + (e * tiles::band + tile) * vectors * tiles::width);
+                            products + e * tiles::product_distance + tile * vectors * tiles::width);
                     });
                 detail::transform_integer_output<convolution, tiles, vectors>(
                     products, epilogue.from(first), output + first, first_tile, first_tile + band);
