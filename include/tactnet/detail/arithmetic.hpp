@@ -50,6 +50,13 @@ template <class Element = float>
 [[nodiscard]] constexpr std::size_t pad_to_cache_line(std::size_t count) {
     return detail::round_up(count, cache_line / sizeof(Element));
 }
+/// `count` elements rounded up to an odd number of cache lines: as distance between the elements of a tile,
+/// it spreads them over the sets of the cache.
+template <class Element>
+[[nodiscard]] constexpr std::size_t odd_lines(std::size_t count) {
+    constexpr std::size_t line = cache_line / sizeof(Element);
+    return (detail::ceil_div(count, line) / 2 * 2 + 1) * line;
+}
 
 namespace kernels {
 

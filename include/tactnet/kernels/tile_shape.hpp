@@ -1,10 +1,12 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
 
 #include <algorithm>
 #include <cstddef>
+#include <numeric>
 
 // The shapes of the tiles of Winograd convolutions, in floats (kernels/frame/winograd_tiles.hpp) and in
 // integers (kernels/integer/winograd_tiles.hpp).
@@ -28,6 +30,17 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
     const std::size_t most = std::max<std::size_t>(max_block_sums / vectors, 1);
     const std::size_t blocks = ceil_div(tiles, most);
     return ceil_div(tiles, blocks);
+}
+
+/// The distance from one element of all tiles to the next, for `count` numbers of each element: an odd number
+/// of cache lines if the first level of cache could not hold a line of each element otherwise. It keeps lines
+/// whose addresses differ by whole pages in few places.
+template <class T>
+[[nodiscard]] constexpr std::size_t tile_distance(std::size_t count, std::size_t elements) {
+    constexpr std::size_t lines_of_page = 4096 / cache_line;
+    const std::size_t lines = ceil_div(count * sizeof(T), cache_line),
+                      lines_together = std::gcd(lines, lines_of_page);
+    return elements * lines_together * cache_line > l1_cache_bytes ? odd_lines<T>(count) : count;
 }
 
 /// Whether there are transforms for such a tile, and it holds whole windows of the pool.

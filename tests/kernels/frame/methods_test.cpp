@@ -151,6 +151,8 @@ TEST_CASE("winograd_method: frames together have the bits of each alone") {
     CHECK(other_bits<pooled(relu_step({3, 3, 64}, 3, 64), 2), extent2d(4), 4>(3) == 0); // one tile a frame
     CHECK(other_bits<adding(relu_step({6, 9, 16}, 3, 48), true), extent2d(2, 4), 2>(4) == 0);
     CHECK(other_bits<relu_step({14, 25, 16}, 3, 16), extent2d(3), 3, true>(5) == 0);
+    // 32 tiles of 32 channels, whose elements would lie whole pages apart.
+    CHECK(other_bits<relu_step({16, 32, 32}, 3, 32), extent2d(4), 2>(6) == 0);
 }
 
 TEST_CASE("winograd_method: layer-wise batching only where the transformed map stays in cache") {

@@ -103,6 +103,8 @@ TEST_CASE("winograd_integer_method: tiles of every size for 3 x 3 give the sums 
     CHECK(tiles_differing<c, extent2d(4, 2)>() == 0);
     CHECK(tiles_differing<c, extent2d(4, 3)>() == 0);
     CHECK(tiles_differing<c, extent2d(4)>() == 0);
+    // 32 tiles of 64 channels, whose elements would lie whole pages apart.
+    CHECK(tiles_differing<of({16, 32, 64}, 16, 3), extent2d(4)>() == 0);
 }
 
 TEST_CASE("winograd_integer_method: tiles of every size for 2 x 2 give the sums of plain loops") {

@@ -194,12 +194,18 @@ void normalise_pixels(const frame_norm& norm, const float* weights, const float*
         sum[p] = sum[p] + d;
         squares[p] = fused_multiply_add(d, d, squares[p]);
     });
+    // Sums of lanes in a loop of their own, so that the compiler computes the rest for all pixels at once.
+    std::array<float, Together> means, mean_squares;
+    for (std::size_t p = 0; p < Together; ++p)
+        means[p] = sum_of_lanes(sum[p]), mean_squares[p] = sum_of_lanes(squares[p]);
+    std::array<float, Together> inverses, shifts;
     for (std::size_t p = 0; p < Together; ++p) {
-        const float mean = sum_of_lanes(sum[p]) * share, squares_share = sum_of_lanes(squares[p]) * share,
-                    variance = std::max(fused_multiply_add(-mean, mean, squares_share), 0.0F),
-                    inverse = 1 / std::sqrt(variance + epsilon);
-        scale[p] = Vector(inverse), shift[p] = Vector(-mean * inverse);
+        means[p] *= share, mean_squares[p] *= share;
+        const float variance = std::max(fused_multiply_add(-means[p], means[p], mean_squares[p]), 0.0F);
+        inverses[p] = 1 / std::sqrt(variance + epsilon), shifts[p] = -means[p] * inverses[p];
     }
+    for (std::size_t p = 0; p < Together; ++p)
+        scale[p] = Vector(inverses[p]), shift[p] = Vector(shifts[p]);
     for (std::size_t v = 0; v < norm.stride; v += width) {
         const Vector weight = access::load(weights + v), bias = access::load(biases + v);
         for (std::size_t p = 0; p < Together; ++p) {

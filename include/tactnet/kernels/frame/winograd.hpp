@@ -50,7 +50,7 @@ template <frame_convolution C, extent2d Outputs, std::size_t Frames>
                     return load_as<wide>(pixels[y * columns + x] + channel);
                 },
                 [&](std::size_t y, std::size_t x, const wide& element) __attribute__((always_inline)) {
-                    store_as(to + (y * columns + x) * tiles::band * tiles::input_stride + channel, element);
+                    store_as(to + (y * columns + x) * tiles::input_distance + channel, element);
                 });
         }
     }
@@ -113,7 +113,7 @@ template <frame_convolution C, extent2d Outputs, std::size_t Frames, std::size_t
 #pragma GCC unroll 64
                 for (std::size_t y = 0; y < rows; ++y)
                     column[y] =
-                        load_as<wide>(products + ((y * columns + x) * tiles::band * Vectors + v) * width);
+                        load_as<wide>(products + (y * columns + x) * tiles::product_distance + v * width);
                 const std::array<wide, Outputs.rows> line = detail::tile_output_line<Outputs.rows>(column);
 #pragma GCC unroll 64
                 for (std::size_t y = 0; y < Outputs.rows; ++y)
@@ -167,11 +167,14 @@ struct winograd_method : frame_method {
     static constexpr std::size_t packed_weights = pad_to_cache_line(
         winograd_tiles<C, Outputs>::elements * C.window.input.channels * C.padded_filters());
     static constexpr std::size_t packed_elements = packed_weights + pad_to_cache_line(C.padded_filters());
-    static constexpr std::size_t workspace_elements = winograd_tiles<C, Outputs>::workspace;
     /// One list of tiles only while the transformed numbers stay in the nearest levels: with an eighth of the
     /// second level one list was faster, with more it was slower (Zen 4).
     static constexpr std::size_t frames_together =
         winograd_tiles<C, Outputs, 4>::workspace * sizeof(float) <= l2_cache_bytes / 8 ? 4 : 1;
+    /// Of one frame, and a share of one list of several.
+    static constexpr std::size_t workspace_elements = std::max(
+        winograd_tiles<C, Outputs>::workspace,
+        pad_to_cache_line(ceil_div(winograd_tiles<C, Outputs, frames_together>::workspace, frames_together)));
 
     /// Kernels as G g Gᵀ in the order of use, into zeros: blocks of vectors of filters, then
     /// [element][channel][filter of the block].
@@ -218,7 +221,8 @@ struct winograd_method : frame_method {
                          std::size_t output_distance, float* workspace) noexcept {
         static_assert(!C.accumulates || C.pool == extent2d(1), "winograd_method: a sum is not pooled");
         using tiles = winograd_tiles<C, Outputs, Frames>;
-        static_assert(tiles::workspace <= Frames * workspace_elements);
+        static_assert((Frames != 1 && Frames != frames_together) ||
+                      tiles::workspace <= Frames * workspace_elements);
         const float* const bias = packed + packed_weights;
         float* const products = workspace + tiles::transformed_input;
         blocked<tiles::count, tiles::band>([&](auto band, std::size_t first_tile) {
@@ -230,9 +234,9 @@ struct winograd_method : frame_method {
                 for (std::size_t e = 0; e < tiles::elements; ++e)
                     blocked<band, tiles::block>([&](auto count, std::size_t place) {
                         multiply_winograd_tiles<C, Outputs, vectors, count>(
-                            workspace + (e * tiles::band + place) * tiles::input_stride,
+                            workspace + e * tiles::input_distance + place * tiles::input_stride,
                             w + e * tiles::channels * vectors * C.width(),
-                            products + (e * tiles::band + place) * vectors * C.width());
+                            products + e * tiles::product_distance + place * vectors * C.width());
                     });
                 transform_winograd_output<C, Outputs, Frames, vectors>(
                     products, bias + first, output + first, output_distance, first_tile, first_tile + band);

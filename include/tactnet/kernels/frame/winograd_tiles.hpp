@@ -127,9 +127,12 @@ struct winograd_tiles {
     /// Tiles in a register block.
     static constexpr std::size_t block = tiles_of_block(band, block_vectors);
 
+    /// From one element of all tiles to the next, of the transformed input and of the products.
+    static constexpr std::size_t input_distance = tile_distance<float>(band * input_stride, elements),
+                                 product_distance = tile_distance<float>(band * block_stride, elements);
     /// Elements of workspace.
-    static constexpr std::size_t transformed_input = pad_to_cache_line(elements * band * input_stride);
-    static constexpr std::size_t products = pad_to_cache_line(elements * band * block_stride);
+    static constexpr std::size_t transformed_input = pad_to_cache_line(elements * input_distance),
+                                 products = pad_to_cache_line(elements * product_distance);
     static constexpr std::size_t workspace = transformed_input + products;
 };
 

@@ -42,23 +42,24 @@ template <frame_convolution C, class Tiles>
                           left = tile % Tiles::columns * Tiles::outputs.columns;
         std::array<const std::uint8_t*, Tiles::elements> pixels;
 #pragma GCC unroll 1
-        for (std::size_t e = 0; e < Tiles::elements; ++e) {
-            const std::size_t y = top + e / columns, x = left + e % columns;
-            const bool inside = y >= C.window.top && y < C.window.top + image.rows && x >= C.window.left &&
-                                x < C.window.left + image.columns;
-            pixels[e] =
-                inside ? input + ((y - C.window.top) * image.columns + x - C.window.left) * C.input_stride
-                       : outside.data();
-        }
+        for (std::size_t row = 0; row < rows; ++row)
+#pragma GCC unroll 64
+            for (std::size_t column = 0; column < columns; ++column) {
+                // Before the image, these differences wrap around and exceed its size as well.
+                const std::size_t y = top + row - C.window.top, x = left + column - C.window.left;
+                pixels[row * columns + column] = y < image.rows && x < image.columns
+                                                     ? input + (y * image.columns + x) * C.input_stride
+                                                     : outside.data();
+            }
         std::int16_t* const to = transformed + (tile - first) * Tiles::channels;
         for (std::size_t channel = 0; channel < Tiles::channels; channel += Tiles::input_width)
             transform_tile_input<words, rows, columns>(
                 [&](std::size_t y, std::size_t x) __attribute__((always_inline)) {
-                    return __builtin_convertvector(load_bytes_as<bytes>(pixels[y * columns + x] + channel),
-                                                   words);
+                    return to_int16<Tiles::input_width>(
+                        load_bytes_as<bytes>(pixels[y * columns + x] + channel));
                 },
                 [&](std::size_t y, std::size_t x, const words& element) __attribute__((always_inline)) {
-                    store_any(to + (y * columns + x) * Tiles::band * Tiles::channels + channel, element);
+                    store_any(to + (y * columns + x) * Tiles::input_distance + channel, element);
                 },
                 integer_input_lines{});
     }
@@ -105,15 +106,15 @@ transform_integer_output(const std::int32_t* products, const integer_epilogue& e
             return (C.rows() % high == 0 || top + row < C.rows()) &&
                    (C.columns() % across == 0 || left + column < C.columns());
         };
-        for (std::size_t v = 0; v < Vectors; ++v) {
+        for (std::size_t v = 0; v < Vectors; ++v, products += width) {
             std::array<std::array<wrapping, columns>, high> half;
 #pragma GCC unroll 64
             for (std::size_t x = 0; x < columns; ++x) {
                 std::array<wrapping, rows> column;
 #pragma GCC unroll 64
                 for (std::size_t y = 0; y < rows; ++y)
-                    column[y] = load_bytes_as<wrapping>(
-                        products + (((y * columns + x) * Tiles::band + tile - first) * Vectors + v) * width);
+                    column[y] =
+                        load_bytes_as<wrapping>(products + (y * columns + x) * Tiles::product_distance);
                 const auto line = integer_output_line<high>(column);
 #pragma GCC unroll 64
                 for (std::size_t y = 0; y < high; ++y)
@@ -194,9 +195,9 @@ struct integer_tile_method {
                 for (std::size_t e = 0; e < tiles::elements; ++e)
                     blocked<band, tiles::block>([&](auto count, std::size_t tile) {
                         detail::multiply_integer_tiles<tiles, vectors, count>(
-                            transformed + (e * tiles::band + tile) * tiles::channels,
+                            transformed + e * tiles::input_distance + tile * tiles::channels,
                             of_block + e * tiles::groups * tiles::group * vectors * tiles::width,
-                            products + (e * tiles::band + tile) * vectors * tiles::width);
+                            products + e * tiles::product_distance + tile * vectors * tiles::width);
                     });
                 detail::transform_integer_output<convolution, tiles, vectors>(
                     products, epilogue.from(first), output + first, first_tile, first_tile + band);

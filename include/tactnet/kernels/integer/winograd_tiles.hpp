@@ -130,12 +130,16 @@ struct integer_tiles {
     /// Tiles per register block.
     static constexpr std::size_t block = tiles_of_block(band, block_vectors);
 
+    /// From one element of all tiles to the next, of the transformed input and of the products.
+    static constexpr std::size_t input_distance = tile_distance<std::int16_t>(band * channels, elements),
+                                 product_distance =
+                                     tile_distance<std::int32_t>(band * block_stride, elements);
     /// Bytes of the workspace: transformed inputs, then products.
     static constexpr std::size_t transformed_bytes =
-        pad_to_cache_line<std::uint8_t>(elements * band * channels * sizeof(std::int16_t));
+        pad_to_cache_line<std::uint8_t>(elements * input_distance * sizeof(std::int16_t));
     static constexpr std::size_t workspace_bytes =
         transformed_bytes +
-        pad_to_cache_line<std::uint8_t>(elements * band * block_stride * sizeof(std::int32_t));
+        pad_to_cache_line<std::uint8_t>(elements * product_distance * sizeof(std::int32_t));
 
     /// What divides the outputs: a shift, and the inverse of the odd factor modulo 2³² by Newton's iteration.
     static constexpr int shift = tiling.shift();

@@ -29,14 +29,6 @@ struct tile_grid {
     [[nodiscard]] constexpr std::size_t count() const { return rows * columns; }
 };
 
-/// `count` elements rounded up to an odd number of cache lines: as distance between the elements of a tile,
-/// it spreads them over the sets of the cache.
-template <class T>
-[[nodiscard]] constexpr std::size_t odd_lines(std::size_t count) {
-    constexpr std::size_t line = cache_line / sizeof(T);
-    return (ceil_div(count, line) / 2 * 2 + 1) * line;
-}
-
 /// The packed elements before an output channel that begins a block.
 template <batch_convolution C, class T>
 [[nodiscard]] constexpr std::size_t tile_weights_before(std::size_t elements, std::size_t channel) {
