@@ -69,7 +69,7 @@ private:
     std::size_t add(tactnet::convolution_step<tactnet::single_precision, C>, const float* folded,
                     std::size_t from) {
         static_assert(C.groups == 1, "described_network: convolutions in groups are not described");
-        static_assert(C.activation == nullptr || C.rectifies(),
+        static_assert(!C.activation->exists || C.rectifies(),
                       "described_network: of activation functions only ReLU is described");
         using step = tactnet::convolution_step<tactnet::single_precision, C>;
         const tactnet::shape full{C.window.output_rows(), C.window.output_columns(), C.filters};

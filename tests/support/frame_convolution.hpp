@@ -34,7 +34,8 @@ constexpr tactnet::kernels::frame_convolution with_relu(tactnet::kernels::frame_
 }
 constexpr tactnet::kernels::frame_convolution adding(tactnet::kernels::frame_convolution c,
                                                      bool relu = false) {
-    c.accumulates = true, c.activation = relu ? tactnet::fused<tactnet::relu_function> : nullptr;
+    c.accumulates = true,
+    c.activation = relu ? tactnet::fused<tactnet::relu_function> : &tactnet::kernels::no_activation;
     return c;
 }
 /// Behind it a max pool of windows side by side; `whole` leaves out windows that the image does not fill.

@@ -24,8 +24,8 @@ struct frame_convolution {
     std::size_t input_stride; ///< elements from one pixel of the input to the next
     extent2d pool = 1;        ///< window and stride of the max pool, without padding before the image
     std::size_t pooled_rows = 0, pooled_columns = 0; ///< of the output, if the pool cuts or completes windows
-    const fused_activation* activation = nullptr;    ///< the function that follows, if any
-    bool accumulates = false;                        ///< whether it accumulates into the output map
+    const fused_activation* activation = &no_activation; ///< the function that follows
+    bool accumulates = false;                            ///< whether it accumulates into the output map
     std::size_t groups = 1;     ///< filters of a group see the channels of that group only
     std::size_t map_stride = 0; ///< elements from one pixel to the next of a wider map that holds the output
     std::size_t map_offset = 0; ///< channels of that map before the output
@@ -47,7 +47,7 @@ struct frame_convolution {
         return map_stride > 0 ? map_stride : padded_filters();
     }
     /// Whether the activation function is a ReLU.
-    [[nodiscard]] constexpr bool rectifies() const { return activation != nullptr && activation->rectifies; }
+    [[nodiscard]] constexpr bool rectifies() const { return activation->rectifies; }
     /// Multiply-adds of one output.
     [[nodiscard]] constexpr std::size_t taps() const {
         return window.input.channels / groups * window.kernel.area();
@@ -165,7 +165,7 @@ template <frame_convolution C, class Weight>
 /// The activation function of a convolution, if registers hold it, applied to a vector of its outputs.
 template <frame_convolution C, class Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector activated(const Vector& x) {
-    if constexpr (C.activation == nullptr || !C.activation->in_registers) {
+    if constexpr (!C.activation->in_registers) {
         return x;
     } else if constexpr (C.activation->rectifies) {
         return maximum_or_second(Vector(0.0f), x);
@@ -179,7 +179,7 @@ template <frame_convolution C, class Vector>
 template <frame_convolution C>
 [[gnu::always_inline]] inline void activate_outputs(float* output, std::size_t rows, std::size_t columns,
                                                     std::size_t filters = C.padded_filters()) {
-    if constexpr (C.activation != nullptr && !C.activation->in_registers)
+    if constexpr (C.activation->exists && !C.activation->in_registers)
         activate_stored<C.activation, C.width()>(
             {output, rows, C.output_columns() * C.output_stride(), columns, C.output_stride(), filters});
 }

@@ -56,6 +56,7 @@ struct stored_outputs {
 /// An activation function that convolutions apply to their outputs.
 /// layers/activations/activation_function.hpp makes one of each function: tactnet::fused<Function>.
 struct fused_activation {
+    bool exists = false; ///< whether it is a function; no_activation is none
     detail::functions_of_vectors<lanes<float>> functions{};
     /// Applies the function to stored outputs, whole vectors of the widest type.
     void (*apply)(const stored_outputs& outputs) = nullptr;
@@ -102,6 +103,10 @@ private:
             set_functions<Function, Lanes / 2>(fused);
     }
 };
+
+/// What a description without an activation function points to. A null pointer would not do: GCC compares no
+/// address with null in constants of a program that is compiled with -fsanitize=undefined.
+inline constexpr fused_activation no_activation{};
 
 /// Applies a function to stored outputs, in one function for all convolutions with vectors of so many lanes.
 template <const fused_activation* Activation, std::size_t Lanes>

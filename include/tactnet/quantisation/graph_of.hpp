@@ -108,7 +108,7 @@ private:
                                      .groups = groups,
                                      .filters = filters,
                                      .pool = pool,
-                                     .relu = activation != nullptr && activation->rectifies,
+                                     .relu = activation->rectifies,
                                      .accumulates = accumulates,
                                      .input = input,
                                      .first = map_offset},

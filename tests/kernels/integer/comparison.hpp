@@ -197,11 +197,11 @@ constexpr frame_convolution of(shape input, std::size_t filters, extent2d kernel
 constexpr frame_convolution pooled(frame_convolution c, extent2d pool, std::size_t rows, std::size_t columns,
                                    bool relu = true) {
     c.pool = pool, c.pooled_rows = rows, c.pooled_columns = columns;
-    c.activation = relu ? fused<relu_function> : nullptr;
+    c.activation = relu ? fused<relu_function> : &kernels::no_activation;
     return c;
 }
 constexpr frame_convolution adding(frame_convolution c, bool relu = false) {
-    c.accumulates = true, c.activation = relu ? fused<relu_function> : nullptr;
+    c.accumulates = true, c.activation = relu ? fused<relu_function> : &kernels::no_activation;
     return c;
 }
 constexpr frame_convolution grouped(frame_convolution c, std::size_t groups) {

@@ -161,7 +161,7 @@ std::size_t dense_differing(numbers_are kind = numbers_are::drawn) {
     constexpr frame_convolution c{.window = {Input, {Input.rows, Input.columns}, 1},
                                   .filters = Outputs,
                                   .input_stride = Stride,
-                                  .activation = Relu ? fused<relu_function> : nullptr};
+                                  .activation = Relu ? fused<relu_function> : &kernels::no_activation};
     using method = kernels::dense_integer_method<c, std::uint8_t>;
     if constexpr (method::applicable)
         return differing<method, c, std::uint8_t, Output>(kind);

@@ -88,7 +88,7 @@ namespace detail {
                        ",\n    .filters = " + std::to_string(filters) + ", .input_stride = " + stride +
                        ", .pool = " + list_of(pool) + ", .pooled_rows = " + std::to_string(pooled_rows) +
                        ", .pooled_columns = " + std::to_string(pooled_columns);
-    if (activation != nullptr)
+    if (activation->exists)
         text += ", .activation = " + text_of(*activation);
     if (accumulates)
         text += ", .accumulates = true";
@@ -165,7 +165,7 @@ template <activation_function Function>
         what += " in " + std::to_string(c.groups) + " groups";
     if (c.pool != extent2d(1))
         what += ", max pool " + size_of(c.pool);
-    if (c.activation != nullptr)
+    if (c.activation->exists)
         what += std::string(", ") + c.activation->title;
     return what;
 }
@@ -239,7 +239,7 @@ private:
         }
         [[gnu::cold, gnu::noinline]] void append(const kernels::frame_convolution& c) {
             title += detail::details_of(c);
-            if (c.activation != nullptr)
+            if (c.activation->exists)
                 all.include(c.activation->header);
             append_text(detail::text_of(c, stride));
         }

@@ -47,7 +47,8 @@ auto adding_main() {
 } // namespace detail
 
 /// Both branches of a residual block, with the activation function after the sum.
-template <class Place, class Main, class Skip, const kernels::fused_activation* Activation = nullptr>
+template <class Place, class Main, class Skip,
+          const kernels::fused_activation* Activation = &kernels::no_activation>
 struct lowered_residual {
     using layer = typename Place::layer;
     using lowered_main = lowered_sequence<typename Place::format, as_sequence<Main>, typename layer::main,
@@ -70,8 +71,7 @@ struct lowered_residual {
     }
     template <class Spec, class>
     static constexpr auto fuse() {
-        if constexpr (Activation == nullptr &&
-                      activates<Spec, typename Place::format, layer::output.channels>)
+        if constexpr (!Activation->exists && activates<Spec, typename Place::format, layer::output.channels>)
             return std::type_identity<lowered_residual<Place, Main, Skip, lowering<Spec>::activation>>{};
         else
             return not_fused{};

@@ -20,7 +20,7 @@ struct no_norm {
 struct convolution_epilogue {
     extent2d pool = 1; ///< window and stride of a max pool
     std::size_t pooled_rows = 0, pooled_columns = 0;
-    const kernels::fused_activation* activation = nullptr;
+    const kernels::fused_activation* activation = &kernels::no_activation;
     bool accumulates = false;
     std::size_t map_stride = 0, map_offset = 0; ///< of a wider map with a slice for the output
 
@@ -38,7 +38,7 @@ struct convolution_epilogue {
     }
     /// Whether a max pool may follow: computed before the function, it must give the same.
     [[nodiscard]] constexpr bool takes_pool() const {
-        return !pooled() && (activation == nullptr || activation->monotonic);
+        return !pooled() && (!activation->exists || activation->monotonic);
     }
     [[nodiscard]] constexpr convolution_epilogue in_slice(std::size_t stride, std::size_t offset) const {
         convolution_epilogue more = *this;
@@ -78,8 +78,7 @@ struct lowered_convolution {
     template <class Spec, class NextPlace>
     static constexpr auto fuse() {
         if constexpr (scales_channels<Spec, NextPlace>) {
-            if constexpr (std::is_same_v<Norm, no_norm> && !Epilogue.pooled() &&
-                          Epilogue.activation == nullptr)
+            if constexpr (std::is_same_v<Norm, no_norm> && !Epilogue.pooled() && !Epilogue.activation->exists)
                 return std::type_identity<
                     lowered_convolution<Place, channel_constants<Spec, NextPlace>, Epilogue>>{};
             else
@@ -93,8 +92,7 @@ struct lowered_convolution {
         } else if constexpr (activates<Spec, typename Place::format, layer::output.channels>) {
             // A ReLU changes nothing after another one.
             constexpr const kernels::fused_activation* next = lowering<Spec>::activation;
-            if constexpr (Epilogue.activation == nullptr ||
-                          (Epilogue.activation->rectifies && next->rectifies))
+            if constexpr (!Epilogue.activation->exists || (Epilogue.activation->rectifies && next->rectifies))
                 return std::type_identity<lowered_convolution<Place, Norm, Epilogue.with(next)>>{};
             else
                 return not_fused{};
@@ -105,7 +103,7 @@ struct lowered_convolution {
 
     /// The last convolution of a residual block's main branch: the sum comes before everything else.
     template <const kernels::fused_activation* Activation>
-        requires(!Epilogue.pooled() && Epilogue.activation == nullptr)
+        requires(!Epilogue.pooled() && !Epilogue.activation->exists)
     using adding =
         lowered_convolution<Place, Norm, convolution_epilogue{.activation = Activation, .accumulates = true}>;
 

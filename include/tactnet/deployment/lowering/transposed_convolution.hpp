@@ -34,7 +34,8 @@ struct phase_axis {
 
 /// A transposed convolution with the batch norm and the activation function after it: one convolution whose
 /// filters are those of all phases of the stride, then the interleaving of the phases.
-template <class Place, class Norm = no_norm, const kernels::fused_activation* Activation = nullptr>
+template <class Place, class Norm = no_norm,
+          const kernels::fused_activation* Activation = &kernels::no_activation>
 struct lowered_transposed_convolution {
     using layer = typename Place::layer;
     static constexpr extent2d kernel = layer::window.kernel, stride = layer::window.stride;
@@ -87,12 +88,12 @@ struct lowered_transposed_convolution {
     template <class Spec, class NextPlace>
     static constexpr auto fuse() {
         if constexpr (scales_channels<Spec, NextPlace>) {
-            if constexpr (std::is_same_v<Norm, no_norm> && Activation == nullptr)
+            if constexpr (std::is_same_v<Norm, no_norm> && !Activation->exists)
                 return std::type_identity<
                     lowered_transposed_convolution<Place, channel_constants<Spec, NextPlace>>>{};
             else
                 return not_fused{};
-        } else if constexpr (Activation == nullptr &&
+        } else if constexpr (!Activation->exists &&
                              activates<Spec, typename Place::format, layer::output.channels>) {
             return std::type_identity<
                 lowered_transposed_convolution<Place, Norm, lowering<Spec>::activation>>{};

@@ -54,7 +54,7 @@ struct residual_step : step_defaults {
     static double output_bound(const float* from, double input) {
         const double sum =
             Main::output_bound(from, input) + Skip::output_bound(from + Main::folded_elements, input);
-        if constexpr (Main::after_sum != nullptr)
+        if constexpr (Main::after_sum->exists)
             return Main::after_sum->output_bound(sum);
         else
             return sum;

@@ -35,8 +35,7 @@ struct convolution_step<single_precision, Kernel>
         "it takes");
     static_assert(Kernel.map_stride == 0 || Kernel.map_offset + Kernel.filters <= Kernel.map_stride,
                   "convolution_step: the output reaches beyond the pixels of the wider map");
-    static_assert(Kernel.activation == nullptr || !Kernel.activation->moves_zero ||
-                      Kernel.padded_filters() == Kernel.filters,
+    static_assert(!Kernel.activation->moves_zero || Kernel.padded_filters() == Kernel.filters,
                   "convolution_step: a function that is not zero at zero needs filters that fill all lanes");
 
     using method = kernels::convolution_method<Kernel>;
@@ -49,9 +48,8 @@ struct convolution_step<single_precision, Kernel>
     static constexpr std::size_t packed_elements = method::packed_elements;
     static constexpr std::size_t workspace_elements = method::workspace_elements;
     static constexpr const kernels::fused_activation* after_sum =
-        Kernel.accumulates ? Kernel.activation : nullptr;
-    static constexpr double largest_output =
-        Kernel.activation != nullptr ? Kernel.activation->largest_value : step_defaults::largest_output;
+        Kernel.accumulates ? Kernel.activation : &kernels::no_activation;
+    static constexpr double largest_output = Kernel.activation->largest_value;
 
     static constexpr void pack(const float* from, float* to) {
         const auto weight = [&](std::size_t filter, std::size_t channel, std::size_t row,
@@ -63,7 +61,7 @@ struct convolution_step<single_precision, Kernel>
     }
     static double output_bound(const float* from, double input) {
         const double sum = detail::largest_sum(from, Kernel.filters, Kernel.taps(), input);
-        if constexpr (Kernel.activation != nullptr && !Kernel.accumulates)
+        if constexpr (Kernel.activation->exists && !Kernel.accumulates)
             return Kernel.activation->output_bound(sum);
         else
             return sum;

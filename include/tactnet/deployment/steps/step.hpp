@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/fused_activation.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>
@@ -39,10 +40,6 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-namespace kernels {
-struct fused_activation;
-} // namespace kernels
-
 /// The number format of single precision: maps and packed weights are floats. Each step is a template on a
 /// number format and is defined by its specialisations. A further format is a further set of specialisations.
 struct single_precision {
@@ -67,7 +64,7 @@ struct step_defaults {
     static constexpr std::size_t folded_elements = 0, packed_elements = 0, workspace_elements = 0;
     static constexpr bool layerwise = false, fills_map = true, gives_probabilities = false;
     static constexpr bool keeps_values = false;
-    static constexpr const kernels::fused_activation* after_sum = nullptr;
+    static constexpr const kernels::fused_activation* after_sum = &kernels::no_activation;
     static constexpr std::size_t number_elements = 1;
     static constexpr double largest_output = std::numeric_limits<double>::infinity();
 };

@@ -108,8 +108,7 @@ convolve_packed_block(const std::array<const float*, packed_pixels<C>::footprint
 
     // Pools take rows first, as whole vectors, then the pixels of these. A monotonic function comes between:
     // its vectors are wider there.
-    constexpr bool function_first =
-        C.activation != nullptr && (C.pool.columns == 1 || C.activation->monotonic);
+    constexpr bool function_first = C.activation->exists && (C.pool.columns == 1 || C.activation->monotonic);
     constexpr std::size_t pooled_rows = ceil_div(Rows, C.pool.rows),
                           pooled_columns = ceil_div(Columns, C.pool.columns);
     alignas(vector_alignment) std::array<float, pooled_rows * Vectors * lanes<float>> map;

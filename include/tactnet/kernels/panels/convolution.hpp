@@ -193,7 +193,7 @@ void convolve_panels(const panel_plan& plan, const panel_share& share, const flo
                             panel = share.last_panel;
                     }
             });
-            if (c.activation != nullptr && !c.rectifies()) {
+            if (c.activation->exists && !c.rectifies()) {
                 const std::size_t first = panels.begin(share.first_panel);
                 c.activation->apply({output + (y * out_columns + x) * c.output_stride() + first, rows,
                                      out_columns * c.output_stride(), columns, c.output_stride(),

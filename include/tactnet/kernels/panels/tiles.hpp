@@ -226,7 +226,7 @@ void convolve_tiles_of(const tile_plan& plan, std::size_t band, const tile_share
                  .rectifies = c.rectifies(),
                  .pooled = pooled});
         });
-        if (c.activation != nullptr && !c.rectifies())
+        if (c.activation->exists && !c.rectifies())
             activate_tiles(plan, Outputs, first, count, panels.begin(share.first_panel),
                            panels.begin(share.last_panel), distances.output, output);
     }

@@ -153,6 +153,7 @@ template <class Function>
         if constexpr (every_width) // otherwise more errors follow the assertion
             fused = kernels::fused_activation::with_functions_of<Function>();
     }
+    fused.exists = true;
     fused.output_bound = activation_bound<Function>;
     fused.rectifies = is_relu<Function>();
     fused.in_registers = fused.rectifies || in_registers<Function>;

@@ -17,7 +17,7 @@ template <class Input, class Output, kernels::frame_convolution Kernel>
 struct convolution_step<eight_bit_between<Input, Output>, Kernel>
     : step_base<eight_bit, shape{Kernel.output_rows(), Kernel.output_columns(), Kernel.filters},
                 Kernel.output_stride()> {
-    static_assert(Kernel.activation == nullptr || Kernel.rectifies(),
+    static_assert(!Kernel.activation->exists || Kernel.rectifies(),
                   "convolution_step: in 8 bits, other activation functions than ReLU are steps of their own");
     static constexpr kernels::frame_convolution kernel = Kernel;
     static constexpr bool fills_map = Kernel.map_stride == 0;

@@ -93,7 +93,8 @@ using frames_product =
                      kernels::frame_convolution{.window = {{Frames, 1, Features}, {Frames, 1}, 1},
                                                 .filters = Outputs,
                                                 .input_stride = frame_stride(Features),
-                                                .activation = Rectified ? fused<relu_function> : nullptr}>;
+                                                .activation = Rectified ? fused<relu_function>
+                                                                        : &kernels::no_activation}>;
 
 /// The cell of a layer in integers.
 template <class Cell>
