@@ -23,7 +23,7 @@ constexpr frame_convolution with(frame_convolution c) {
 /// With a max pool after it, before the function; `whole` leaves out windows that the image does not fill.
 constexpr frame_convolution pooled_before(frame_convolution c, tactnet::extent2d pool, bool whole = false) {
     c = pooled(c, pool, whole);
-    c.activation = &kernels::no_activation;
+    c.activation = &tactnet::kernels::no_activation;
     return c;
 }
 constexpr frame_convolution in_groups(frame_convolution c, std::size_t groups) {
