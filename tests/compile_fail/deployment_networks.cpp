@@ -179,6 +179,13 @@ using net = network<shape{20, 1, 3}, gru<8>, dense<3>>;
 constexpr std::size_t bytes = deployed_stream<net, eight_bit>::weight_bytes;
 #endif
 
+#ifdef CASE_eight_bit_stream_without_weights
+// expect: deploy_stream: in 8 bits, the network needs a layer with weights
+// at-most: 2
+using net = network<shape{20, 1, 3}, last_frame>;
+constexpr std::size_t bytes = deployed_stream<net, eight_bit>::weight_bytes;
+#endif
+
 #ifdef CASE_eight_bit_upsample_first
 // expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
 // at-most: 2

@@ -86,6 +86,17 @@ TEST_CASE("stream_calibration: wrong calibration sequences and parameters are re
     CHECK(message(240).starts_with("deploy_stream: expected parameters that give finite numbers"));
 }
 
+TEST_CASE("stream_calibration: infinite numbers between layers are refused") {
+    using hidden = network<shape{4, 1, 1}, causal_conv1d<1, 2>, hyperbolic_tangent, gru<2>>;
+    hidden network;
+    network.learnable_values()[0] = 1e20F;
+    const std::vector<float> all{0, 1e25F, 0, 0};
+    CHECK_THROWS_WITH_AS(stream_calibration<hidden>(network, all),
+                         "deploy_stream: expected parameters and sequences that give finite numbers up to "
+                         "1e30, found inf",
+                         std::invalid_argument);
+}
+
 TEST_CASE("stream_calibration: sequences of zeros calibrate, too") {
     const auto network = drawn();
     const std::vector<float> all(net::input_shape.size());

@@ -50,6 +50,9 @@ void check_settings(const method& what, const training_settings& s) {
         refuse("--rotation, --translation: expected a method that varies images, found {}, which finds their "
                "features once",
                what.name);
+    if (s.augmentation == "none" && (s.rotation || s.translation))
+        refuse("--rotation, --translation: expected an augmentation, which they change, found --augmentation "
+               "none");
     if (what.is_network() && what.keeps_features() && s.batch == 1U)
         refuse("--batch: expected 0 or at least 2, since batch norms learn nothing from one row of features, "
                "for {}; found 1",

@@ -42,6 +42,7 @@ public:
         require_finite(sequences, "calibration sequences");
         detail::stream_observation found{input.rows};
         require_finite(steps::observe(values, frames_of(sequences), found), "parameters and sequences");
+        require_finite({&found.out_of_range, 1}, "parameters and sequences");
 
         float largest = 0;
         for (const float value : sequences)
@@ -77,10 +78,10 @@ private:
     }
     [[gnu::cold]] static void require_finite(std::span<const float> numbers, const char* what) {
         for (const float number : numbers)
-            if (!(std::abs(number) <= 1e30F))
+            if (!(std::abs(number) <= detail::stream_observation::most))
                 throw std::invalid_argument(std::string("deploy_stream: expected ") + what +
                                             " that give finite numbers up to 1e30, found " +
-                                            std::to_string(number));
+                                            detail::short_number(static_cast<double>(number)));
     }
 
     std::vector<float> folded_;

@@ -30,6 +30,8 @@ struct eight_bit_stream_plan {
     /// Those of the layers, from words to floats or bytes.
     using steps = stream_step<typename detail::stream_logits<typename Network::specification>::type, input,
                               eight_bit_between<std::int16_t, float>>;
+    static_assert(!std::is_same_v<typename steps::output_number, std::int16_t>,
+                  "deploy_stream: in 8 bits, the network needs a layer with weights");
     /// Otherwise the last layer writes bytes.
     static constexpr bool writes_floats = std::is_same_v<typename steps::output_number, float>;
     /// The range of the words, and of bytes that are outputs.

@@ -206,6 +206,9 @@ TEST_SUITE("program") {
             {training("--output net --split other"), "--split: other not in {"},
             {training("--output net --rotation 181"),
              "--rotation: expected a number from 0 to 180, found '181'"},
+            {training("--output net --augmentation none --rotation 5"),
+             "--rotation, --translation: expected an augmentation, which they change, found --augmentation "
+             "none"},
             {training("--output net --translation -1"),
              "--translation: expected a number from 0 to 4096, found '-1'"},
             {training("--output net --test 0.6 --validation 0.5"),

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -17,8 +18,14 @@ struct stream_observation {
     std::size_t frames;                              ///< of a recording
     std::vector<std::pair<double, double>> ranges{}; ///< the lowest and highest number of each map
 
+    float out_of_range = 0; ///< a number of a map that is not finite or exceeds `most`, if there is one
+    static constexpr float most = 1e30F;
+
     /// Appends the range of a map.
     void observe(const std::vector<float>& map) {
+        for (const float number : map)
+            if (!(std::abs(number) <= most))
+                out_of_range = number;
         const auto [lowest, highest] = std::minmax_element(map.begin(), map.end());
         ranges.emplace_back(static_cast<double>(*lowest), static_cast<double>(*highest));
     }
