@@ -24,6 +24,10 @@ TEST_CASE("dilated_conv2d: strides that share a factor with the dilation, or non
     check_layer<dilated_conv2d<3, 3, 2, 3>, shape{11, 13, 2}>();
     check_layer<dilated_conv2d<3, 2, extent2d(3, 2), extent2d(2, 4), pad(2, 1, 0, 3)>, shape{8, 9, 2}>();
 }
+TEST_CASE("dilated_conv2d: phases that lie side by side where they are deployed") {
+    check_layer<dilated_conv2d<5, 3, 4>, shape{14, 13, 3}>();
+    check_layer<dilated_conv2d<3, 3, 5, extent2d(1, 3)>, shape{9, 13, 2}>();
+}
 TEST_CASE("dilated_conv2d: valid, explicit and completed padding; a kernel larger than the map") {
     check_layer<dilated_conv2d<4, 3, 2, 1, padding::valid>, shape{7, 9, 3}>();
     check_layer<dilated_conv2d<4, 3, 2, 1, pad(2, 0, 1, 3)>, shape{4, 5, 3}>();

@@ -84,11 +84,21 @@ public:
         /// With the padding of the dilated kernel.
         static constexpr sliding_window window{Input,        kernel,     reach.stride, reach.top,
                                                reach.bottom, reach.left, reach.right};
-        using phases = kernels::dilated_phases<window, dilation, extent2d(output.rows, output.columns)>;
-        /// The convolution of the phases.
-        using convolution =
-            typename conv2d<Filters, kernel, phases::step, phases::around, Options>::template layer<
-                T, shape{phases::down.pixels(), phases::along.pixels(), Input.channels}>;
+        static constexpr extent2d outputs{output.rows, output.columns};
+        /// In training one phase of the rows lies below the other: a weight gradient by tiles needs short
+        /// rows of tiles.
+        using phases = kernels::laid_out_phases<kernels::dilated_layout::of(
+            window, dilation, outputs, kernels::phase_order::consecutive)>;
+
+    private:
+        template <class Phases>
+        using convolution_of = typename conv2d<Filters, kernel, Phases::window.stride, Phases::around,
+                                               Options>::template layer<T, Phases::map>;
+
+    public:
+        /// The convolution of the phases, in training and deployed.
+        using convolution = convolution_of<phases>;
+        using deployed_convolution = convolution_of<kernels::dilated_phases<window, dilation, outputs>>;
 
         struct memory {
             typename convolution::memory of_convolution;

@@ -39,4 +39,8 @@ TEST_CASE("eight_bit: dilated convolutions give the bits of the plain reference"
                          max_pool<2>, dilated_conv2d<8, 3, 2, 1, padding::same, in_groups(8)>, relu,
                          dilated_conv2d<3, 3, 2, 2>, dense<5>>;
     CHECK(frames_that_differ<maps>(65, 20) == 0);
+    // Phases of the rows side by side: four, three, and two.
+    using side_by_side = network<shape{14, 13, 2}, conv2d<6, 3>, dilated_conv2d<16, 3, 4>, batch_norm, relu,
+                                 dilated_conv2d<8, 3, 3, 2>, relu, dilated_conv2d<5, 5, 2>, dense<5>>;
+    CHECK(frames_that_differ<side_by_side>(66, 20) == 0);
 }

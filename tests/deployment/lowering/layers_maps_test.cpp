@@ -72,3 +72,32 @@ TEST_CASE("deployed: dilated convolutions, with the batch norm and the ReLU afte
                              concatenation<branch, conv2d<4, 1>>, dilated_conv2d<2, 3, 2, 3, padding::same>>;
     CHECK(support::errors_of<branches>(58, 5));
 }
+
+namespace {
+
+/// The errors of a deployed dilated convolution whose phases of the rows lie side by side.
+template <shape Input, class Spec, class... After>
+support::error_shares side_by_side_errors(std::uint64_t seed) {
+    using layer = typename Spec::template layer<float, Input>;
+    constexpr auto layout = kernels::dilated_layout::of(layer::window, layer::dilation, layer::outputs);
+    static_assert(layout.phases_in_row > 1);
+    return support::errors_of<network<Input, Spec, After...>>(seed, 3);
+}
+
+} // namespace
+
+TEST_CASE("deployed: dilated convolutions whose phases of the rows lie side by side") {
+    CHECK(side_by_side_errors<shape{5, 9, 3}, dilated_conv2d<8, 3, 2>, batch_norm, relu>(59));
+    CHECK(side_by_side_errors<shape{7, 11, 2}, dilated_conv2d<3, 3, 3>, relu>(60));
+    CHECK(side_by_side_errors<shape{14, 13, 8}, dilated_conv2d<16, 3, 4>, relu>(61));
+    CHECK(side_by_side_errors<shape{9, 7, 2}, dilated_conv2d<8, 3, 5>>(62));
+    CHECK(side_by_side_errors<shape{7, 7, 5}, dilated_conv2d<5, 5, 2>, relu>(63));
+    CHECK(side_by_side_errors<shape{7, 6, 3}, dilated_conv2d<4, 2, extent2d(4, 1)>>(64));
+    CHECK(side_by_side_errors<shape{7, 9, 4}, dilated_conv2d<4, 3, 4, 1, padding::same, in_groups(4)>>(65));
+    // With strides and other padding.
+    CHECK(side_by_side_errors<shape{13, 11, 2}, dilated_conv2d<3, 3, 4, 2>>(66));
+    CHECK(side_by_side_errors<shape{9, 11, 2}, dilated_conv2d<3, 3, 3, 2>>(67));
+    CHECK(side_by_side_errors<shape{9, 13, 2}, dilated_conv2d<3, 3, 5, extent2d(1, 3)>>(68));
+    CHECK(side_by_side_errors<shape{13, 12, 2}, dilated_conv2d<3, 3, 4, 1, padding::valid>>(69));
+    CHECK(side_by_side_errors<shape{9, 8, 2}, dilated_conv2d<8, 3, 4, 1, pad(3, 1, 0, 6)>>(70));
+}

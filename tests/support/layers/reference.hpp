@@ -132,13 +132,16 @@ struct reference_enlargement {
 reference_pointer reference_transposed_convolution(const reference_enlargement& geometry, bool bias,
                                                    const reference_tiles& tiles = {});
 /// The geometry of a dilated convolution: the window has the size of the kernel without dilation and the
-/// padding of the dilated one. `phases` slides over the map of its phases; the outputs of each row and column
-/// are at `rows` and `columns` among those of `phases`.
+/// padding of the dilated one.
 struct reference_dilation {
     reference_window window;
     std::size_t dilation_rows, dilation_columns, output_rows, output_columns;
-    reference_window phases;
-    std::vector<std::size_t> rows, columns;
+    /// `phases` slides over the map of the phases; the outputs are at `sums` among its outputs.
+    struct layout {
+        reference_window phases;
+        std::vector<std::size_t> sums;
+    };
+    layout trained, deployed;
 };
 reference_pointer reference_dilated_convolution(const reference_dilation& geometry, std::size_t filters,
                                                 std::size_t groups = 1, bool bias = true,

@@ -98,35 +98,43 @@ struct reference_of<tactnet::dilated_conv2d<Filters, Kernel, Dilation, Stride, P
         reference_window own = reach;
         own.kernel_rows = Kernel.rows, own.kernel_columns = Kernel.columns;
         // How the library lays the phases out.
-        using tactnet::kernels::dilated_axis;
-        const auto down = dilated_axis::of(in.rows, reach.output_rows(), Kernel.rows, Dilation.rows,
-                                           Stride.rows, reach.top),
-                   along = dilated_axis::of(in.columns, reach.output_columns(), Kernel.columns,
-                                            Dilation.columns, Stride.columns, reach.left);
-        reference_dilation geometry{own,
-                                    Dilation.rows,
-                                    Dilation.columns,
-                                    reach.output_rows(),
-                                    reach.output_columns(),
-                                    {{in.channels, down.pixels(), along.pixels()},
-                                     Kernel.rows,
-                                     Kernel.columns,
-                                     down.step,
-                                     along.step,
-                                     down.zeros_before,
-                                     down.zeros_after,
-                                     along.zeros_before,
-                                     along.zeros_after},
-                                    {},
-                                    {}};
-        for (std::size_t o = 0; o < down.outputs; ++o)
-            geometry.rows.push_back(down.sum_of(o));
-        for (std::size_t o = 0; o < along.outputs; ++o)
-            geometry.columns.push_back(along.sum_of(o));
+        using tactnet::kernels::dilated_layout;
+        const tactnet::sliding_window window{{in.rows, in.columns, in.channels},
+                                             Kernel,
+                                             Stride,
+                                             reach.top,
+                                             reach.bottom,
+                                             reach.left,
+                                             reach.right};
+        const tactnet::extent2d outputs(reach.output_rows(), reach.output_columns());
+        const auto trained =
+            dilated_layout::of(window, Dilation, outputs, tactnet::kernels::phase_order::consecutive);
+        const tactnet::sliding_window w = trained.window();
         return reference_dilated_convolution(
-            geometry, Filters, Options.groups, Options.bias,
-            tiles_of_convolution({down.pixels(), along.pixels(), in.channels}, Kernel,
-                                 {down.step, along.step}, tactnet::padding::valid, Filters, Options.groups));
+            {own, Dilation.rows, Dilation.columns, outputs.rows, outputs.columns, layout_of(trained, outputs),
+             layout_of(dilated_layout::of(window, Dilation, outputs), outputs)},
+            Filters, Options.groups, Options.bias,
+            tiles_of_convolution(w.input, Kernel, w.stride, tactnet::pad(w.top, w.bottom, w.left, w.right),
+                                 Filters, Options.groups));
+    }
+
+private:
+    static reference_dilation::layout layout_of(const tactnet::kernels::dilated_layout& layout,
+                                                tactnet::extent2d outputs) {
+        const tactnet::sliding_window w = layout.window();
+        reference_dilation::layout found{{{w.input.channels, w.input.rows, w.input.columns},
+                                          w.kernel.rows,
+                                          w.kernel.columns,
+                                          w.stride.rows,
+                                          w.stride.columns,
+                                          w.top,
+                                          w.bottom,
+                                          w.left,
+                                          w.right},
+                                         {}};
+        for (std::size_t o = 0; o < outputs.area(); ++o)
+            found.sums.push_back(layout.sum_of(o / outputs.columns, o % outputs.columns));
+        return found;
     }
 };
 

@@ -71,7 +71,8 @@ struct reference_step<
     tactnet::phase_splitting_step<tactnet::eight_bit, Window, Dilation, Outputs, InputStride>, Products> {
     using phases = tactnet::kernels::dilated_phases<Window, Dilation, Outputs>;
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
-        whole_map result(tactnet::shape{phases::down.pixels(), phases::along.pixels(), in.channels});
+        whole_map result(phases::map);
+        constexpr tactnet::sliding_window of_phases = phases::window;
         std::fill(result.whole.begin(), result.whole.end(), reference_range::next(folded).zero);
         // Each tap of each output has the pixel under it that the definition says.
         for (std::size_t y = 0; y < Outputs.rows; ++y)
@@ -83,11 +84,12 @@ struct reference_step<
                     if (row < Window.top || row - Window.top >= in.rows || column < Window.left ||
                         column - Window.left >= in.columns)
                         continue;
+                    const std::size_t sum = phases::layout.sum_of(y, x), sums = of_phases.output_columns(),
+                                      to_row = sum / sums * of_phases.stride.rows + i - of_phases.top,
+                                      to_column = sum % sums * of_phases.stride.columns + j - of_phases.left;
                     for (std::size_t c = 0; c < in.channels; ++c)
-                        result.whole[result.at(
-                            phases::down.sum_of(y) * phases::step.rows + i - phases::down.zeros_before,
-                            phases::along.sum_of(x) * phases::step.columns + j - phases::along.zeros_before,
-                            c)] = in.whole[in.at(row - Window.top, column - Window.left, c)];
+                        result.whole[result.at(to_row, to_column, c)] =
+                            in.whole[in.at(row - Window.top, column - Window.left, c)];
                 }
         return result;
     }
@@ -101,8 +103,9 @@ struct reference_step<tactnet::phase_merging_step<Format, Window, Dilation, Outp
         whole_map result(tactnet::shape{Outputs.rows, Outputs.columns, Filters});
         for (std::size_t i = 0; i < result.whole.size(); ++i)
             result.whole[i] =
-                in.whole[in.at(phases::down.sum_of(i / Filters / Outputs.columns),
-                               phases::along.sum_of(i / Filters % Outputs.columns), i % Filters)];
+                in.whole[phases::layout.sum_of(i / Filters / Outputs.columns, i / Filters % Outputs.columns) *
+                             Filters +
+                         i % Filters];
         return result;
     }
 };

@@ -24,7 +24,7 @@ template <bool ReadsFrame>
 template <class Place>
 struct phase_place : Place {
     using format = typename Place::format::hidden_format;
-    using layer = typename Place::layer::convolution;
+    using layer = typename Place::layer::deployed_convolution;
 };
 
 } // namespace detail
@@ -34,15 +34,14 @@ struct phase_place : Place {
 template <class Place, class Convolution = lowered_convolution<detail::phase_place<Place>>>
 struct lowered_dilated_convolution {
     using layer = typename Place::layer;
-    static constexpr extent2d outputs{layer::output.rows, layer::output.columns};
     using format = typename Place::format::hidden_format;
     using splitting =
-        phase_splitting_step<format, layer::window, layer::dilation, outputs,
+        phase_splitting_step<format, layer::window, layer::dilation, layer::outputs,
                              detail::stride_of_map<!std::is_same_v<format, typename Place::format>>(
                                  Place::input_stride)>;
     using convolution = typename Convolution::step;
     using step = step_chain<splitting, convolution,
-                            phase_merging_step<format, layer::window, layer::dilation, outputs,
+                            phase_merging_step<format, layer::window, layer::dilation, layer::outputs,
                                                layer::output.channels, convolution::output_stride>>;
 
     static void fold(const parameter_source& list, float* to) {

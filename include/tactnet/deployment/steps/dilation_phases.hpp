@@ -25,11 +25,8 @@ namespace detail {
 
 /// In every number format.
 template <class Format, sliding_window Window, extent2d Dilation, extent2d Outputs, std::size_t InputStride>
-struct phase_splitting : step_base<Format,
-                                   shape{kernels::dilated_phases<Window, Dilation, Outputs>::down.pixels(),
-                                         kernels::dilated_phases<Window, Dilation, Outputs>::along.pixels(),
-                                         Window.input.channels},
-                                   InputStride> {
+struct phase_splitting
+    : step_base<Format, kernels::dilated_phases<Window, Dilation, Outputs>::map, InputStride> {
     template <std::size_t Elements, class T>
     static void split(const T* in, T zero, T* out) {
         using phases = kernels::dilated_phases<Window, Dilation, Outputs>;
@@ -65,8 +62,8 @@ private:
     template <std::size_t Elements, class T>
     static void merge(const T* in, T* out) {
         using phases = kernels::dilated_phases<Window, Dilation, Outputs>;
-        kernels::gather_pixels<Elements, phases::along.sums()>(phases::rows::sum_of, phases::columns::sum_of,
-                                                               in, T{}, out);
+        kernels::gather_pixels<Elements, phases::layout.along.sums()>(phases::rows::sum_of,
+                                                                      phases::columns::sum_of, in, T{}, out);
     }
 };
 template <class Format, sliding_window Window, extent2d Dilation, extent2d Outputs, std::size_t Filters,

@@ -166,13 +166,12 @@ private:
     std::size_t channels_; ///< of a group
 };
 
-} // namespace
-
 /// Over the map of its phases, whose pixels follow from the definition.
-reference_pointer reference_dilated_convolution(const reference_dilation& g, std::size_t filters,
-                                                std::size_t groups, bool bias, const reference_tiles& tiles) {
+phased_convolution dilated_convolution(const reference_dilation& g, const reference_dilation::layout& layout,
+                                       std::size_t filters, std::size_t groups, bool bias,
+                                       const reference_tiles& tiles) {
     const reference_window& w = g.window;
-    const convolution phases(g.phases, filters, groups, true, tiles);
+    const convolution phases(layout.phases, filters, groups, true, tiles);
     const std::size_t taps = w.kernel_rows * w.kernel_columns, area = g.output_rows * g.output_columns,
                       weights = filters * (w.input.channels / groups) * taps;
     phase_plan plan{.input = w.input,
@@ -186,11 +185,8 @@ reference_pointer reference_dilated_convolution(const reference_dilation& g, std
     std::iota(plan.weight_at.begin(), plan.weight_at.end(), std::size_t{0});
     // Each output has a place among those of the phases; under each tap of it lies the pixel that the
     // definition says.
-    const auto place_of = [&](std::size_t o) {
-        return g.rows.at(o / g.output_columns) * phases.output.columns + g.columns.at(o % g.output_columns);
-    };
     for (std::size_t o = 0; o < filters * area; ++o)
-        plan.output_at.push_back(o / area * phases.output.area() + place_of(o % area));
+        plan.output_at.push_back(o / area * phases.output.area() + layout.sums.at(o % area));
     for (std::size_t o = 0; o < area; ++o)
         for (std::size_t tap = 0; tap < taps; ++tap) {
             const std::size_t i = tap / w.kernel_columns, j = tap % w.kernel_columns,
@@ -201,16 +197,52 @@ reference_pointer reference_dilated_convolution(const reference_dilation& g, std
             const std::size_t pixel = (y - w.top) * w.input.columns + x - w.left;
             plan.taps.push_back({o, tap, pixel});
             // The padding of the convolution of the phases holds no pixel.
-            const std::size_t row = place_of(o) / phases.output.columns * g.phases.stride_rows + i -
-                                    g.phases.top,
-                              column = place_of(o) % phases.output.columns * g.phases.stride_columns + j -
-                                       g.phases.left;
+            const std::size_t sum = layout.sums.at(o);
+            const std::size_t row = sum / phases.output.columns * layout.phases.stride_rows + i -
+                                    layout.phases.top,
+                              column = sum % phases.output.columns * layout.phases.stride_columns + j -
+                                       layout.phases.left;
             std::size_t& at = plan.input_at.at(row * phases.input.columns + column);
             if (at != none && at != pixel)
                 throw std::logic_error("reference: phases of a dilated convolution collide");
             at = pixel;
         }
-    return std::make_unique<phased_convolution>(std::move(plan), phases);
+    return {std::move(plan), phases};
+}
+
+/// A dilated convolution, whose phases lie in different ways in training and deployed.
+class dilated_reference final : public folding_layer {
+public:
+    dilated_reference(const reference_dilation& g, std::size_t filters, std::size_t groups, bool bias,
+                      const reference_tiles& tiles)
+        : trained_(dilated_convolution(g, g.trained, filters, groups, bias, tiles)),
+          deployed_(dilated_convolution(g, g.deployed, filters, groups, bias, tiles)) {
+        static_cast<reference_layer&>(*this) = trained_;
+    }
+    [[nodiscard]] bool folds() const override { return true; }
+    [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
+        return (call.deployed ? deployed_ : trained_).forward(call, in);
+    }
+    [[nodiscard]] bool has_backward() const override { return true; }
+    [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
+                                               const samples& out_gradient) const override {
+        return trained_.backward(call, in, out_gradient);
+    }
+    [[nodiscard]] sample deployed(const reference_call& call, const sample& in,
+                                  const std::optional<folded_norm>& behind,
+                                  const sample* added) const override {
+        return deployed_.deployed(call, in, behind, added);
+    }
+
+private:
+    phased_convolution trained_, deployed_;
+};
+
+} // namespace
+
+reference_pointer reference_dilated_convolution(const reference_dilation& geometry, std::size_t filters,
+                                                std::size_t groups, bool bias, const reference_tiles& tiles) {
+    return std::make_unique<dilated_reference>(geometry, filters, groups, bias, tiles);
 }
 
 /// With filters for each phase of the stride, [phase][filter]: the output at row stride × q + r − crop_top is
