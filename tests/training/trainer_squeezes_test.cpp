@@ -145,7 +145,7 @@ recognised recognised_in_streams(const squeezes& data) {
 } // namespace
 
 TEST_CASE_TEMPLATE(
-    "deployed_stream in 8 bits: recognises the squeezes that single precision recognises", Network,
+    "deployed_stream: in 8 bits, recognises the squeezes that single precision recognises", Network,
     network<squeezes::size, gru<8>, last_frame, dense<2>>,
     network<squeezes::size, lstm<8>, last_frame, dense<2>>,
     network<squeezes::size, causal_conv1d<8, 4>, relu, causal_conv1d<8, 4, 4>, relu, last_frame, dense<2>>) {

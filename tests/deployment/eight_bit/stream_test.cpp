@@ -78,7 +78,7 @@ using ends_in_relu =
 
 } // namespace
 
-TEST_CASE_TEMPLATE("deployed_stream in 8 bits: the bits of the plain reference", Network, classifier, tagger,
+TEST_CASE_TEMPLATE("deployed_stream: in 8 bits, the bits of the plain reference", Network, classifier, tagger,
                    wide, ends_in_bytes, ends_in_states, ends_in_relu) {
     const auto network = drawn<Network>();
     const std::vector<float> all = samples<Network>(8);
@@ -99,7 +99,7 @@ TEST_CASE_TEMPLATE("deployed_stream in 8 bits: the bits of the plain reference",
     CHECK(not_zero > 20);
 }
 
-TEST_CASE_TEMPLATE("deployed_stream in 8 bits: close to single precision", Network, classifier, tagger, wide,
+TEST_CASE_TEMPLATE("deployed_stream: in 8 bits, close to single precision", Network, classifier, tagger, wide,
                    ends_in_bytes, ends_in_states, ends_in_relu) {
     const auto network = drawn<Network>();
     const std::vector<float> all = samples<Network>(16);
@@ -123,7 +123,7 @@ TEST_CASE_TEMPLATE("deployed_stream in 8 bits: close to single precision", Netwo
     static_assert(deployed_stream<Network, eight_bit>::state_bytes < deployed_stream<Network>::state_bytes);
 }
 
-TEST_CASE("deployed_stream in 8 bits: an error does not grow with the length of a recording") {
+TEST_CASE("deployed_stream: in 8 bits, an error does not grow with the length of a recording") {
     using net = network<shape{2000, 1, 2}, gru<16>, lstm<8>, causal_conv1d<3, 1>>;
     const auto network = drawn<net>(5);
     const std::vector<float> all = samples<net>(1);
@@ -139,7 +139,7 @@ TEST_CASE("deployed_stream in 8 bits: an error does not grow with the length of 
     CHECK(largest(1000, 2000) < 1.5 * largest(0, 1000));
 }
 
-TEST_CASE("deployed_stream in 8 bits: its folded numbers make it again, and others are rejected") {
+TEST_CASE("deployed_stream: in 8 bits, its folded numbers make it again, and others are rejected") {
     const auto stream = deploy_stream<eight_bit>(drawn<tagger>(), samples<tagger>(8));
     using stream_type = std::remove_const_t<decltype(stream)>;
     std::vector<float> folded(stream.folded().begin(), stream.folded().end());
@@ -171,7 +171,7 @@ TEST_CASE("deployed_stream in 8 bits: its folded numbers make it again, and othe
                          std::invalid_argument);
 }
 
-TEST_CASE("deployed_stream in 8 bits: broken frames are reported and change nothing; others saturate") {
+TEST_CASE("deployed_stream: in 8 bits, broken frames are reported and change nothing; others saturate") {
     const std::vector<float> all = samples<tagger>(4);
     const auto stream = deploy_stream<eight_bit>(drawn<tagger>(), all);
     const auto recording = recording_of<tagger>(all, 0);
@@ -202,7 +202,7 @@ TEST_CASE("deployed_stream in 8 bits: broken frames are reported and change noth
     CHECK(same_bits(far, farther));
 }
 
-TEST_CASE("deployed_stream in 8 bits: calls use no heap and do not throw; a copy of the state is a point") {
+TEST_CASE("deployed_stream: in 8 bits, calls use no heap and do not throw; a copy of the state is a point") {
     const std::vector<float> all = samples<wide>(4);
     const auto stream = deploy_stream<eight_bit>(drawn<wide>(), all);
     using stream_type = std::remove_const_t<decltype(stream)>;
@@ -228,7 +228,7 @@ TEST_CASE("deployed_stream in 8 bits: calls use no heap and do not throw; a copy
     static_assert(std::is_trivially_copyable_v<stream_type::state>);
 }
 
-TEST_CASE("deployed_stream in 8 bits: classify returns the largest logit and its probability") {
+TEST_CASE("deployed_stream: in 8 bits, classify returns the largest logit and its probability") {
     const std::vector<float> all = samples<classifier>(4);
     const auto stream = deploy_stream<eight_bit>(drawn<classifier>(), all);
     decltype(stream)::state one, other;

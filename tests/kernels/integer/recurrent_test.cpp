@@ -32,7 +32,7 @@ double largest_error(const Function& function, const Exact& exact) {
 
 } // namespace
 
-TEST_CASE("recurrent cells in integers: sigmoid and tanh of all sums are within their bounds") {
+TEST_CASE("recurrent: sigmoid and tanh of all sums are within their bounds") {
     CHECK(largest_error([](const int32_vec<lanes>& x) { return detail::sigmoid_of_sum<lanes>(x); },
                         [](double x) { return 1 / (1 + std::exp(-x)); }) < 1.9);
     CHECK(largest_error([](const int32_vec<lanes>& x) { return detail::tanh_of_sum<lanes>(x); },
@@ -47,7 +47,7 @@ TEST_CASE("recurrent cells in integers: sigmoid and tanh of all sums are within 
     CHECK(detail::tanh_of_sum<lanes>(all(-65534))[0] == -32767);
 }
 
-TEST_CASE("recurrent cells in integers: the largest products do not overflow") {
+TEST_CASE("recurrent: the largest products do not overflow") {
     const auto all = [](std::int32_t x) { return x + int32_vec<lanes>{}; };
     for (const std::int32_t sign : {1, -1}) {
         // The update gate is open, and the state as far from its new value as it can be.

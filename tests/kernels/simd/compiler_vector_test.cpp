@@ -31,7 +31,7 @@ constexpr auto to_whole = [](const auto& bytes) { return kernels::to_int32<Lanes
 
 } // namespace
 
-TEST_CASE("to_int16, to_int32: every byte keeps its value and its lane, in registers of all widths") {
+TEST_CASE("to_int16: every byte keeps its value and its lane, in registers of all widths") {
     constexpr std::size_t most = kernels::max_integer_lanes;
     CHECK(bytes_changed<most>(to_whole<most>) == 0);
     CHECK(bytes_changed<most>(to_words<most>) == 0);
