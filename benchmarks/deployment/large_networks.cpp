@@ -114,31 +114,31 @@ void measure_8bit(const options& o, const benchmark::large_network& network) {
     for (std::uint8_t& f : frames)
         f = static_cast<std::uint8_t>(random.uniform(0, 256));
     const std::vector<float> counts(frames.begin(), frames.end());
-    const auto beside = network.make_peer_8bit(frames);
+    const auto peer = network.make_peer_8bit(frames);
     std::vector<float> exact(o.batch * network.outputs), ours(exact.size()), theirs(exact.size());
     const auto single = [&] { network.deployed(counts, exact); };
     const auto own = [&] { network.deployed_8bit(frames, ours); };
-    const auto peer = [&] { beside->run(frames, theirs); };
+    const auto run_peer = [&] { peer->run(frames, theirs); };
 
-    single(), own(), peer();
+    single(), own(), run_peer();
     const double distance = check_agreement(ours, exact, byte_tolerance),
-                 distance_beside = check_agreement(theirs, exact, byte_tolerance);
-    const std::vector<float> first = ours, first_beside = theirs;
+                 distance_of_peer = check_agreement(theirs, exact, byte_tolerance);
+    const std::vector<float> first = ours, first_of_peer = theirs;
     std::vector<double> times, our_times, their_times, ratios, to_single;
     for (std::size_t turn = 0; turn < o.turns; ++turn) {
         times.push_back(milliseconds(single));
         our_times.push_back(milliseconds(own));
-        their_times.push_back(milliseconds(peer));
+        their_times.push_back(milliseconds(run_peer));
         ratios.push_back(their_times.back() / our_times.back());
         to_single.push_back(times.back() / our_times.back());
     }
-    if (ours != first || theirs != first_beside)
+    if (ours != first || theirs != first_of_peer)
         throw std::runtime_error("results in 8 bits differ from turn to turn");
     const summary a(our_times), b(their_times);
     std::printf("in 8 bits: tactnet %.3f ± %.1f %%, onednn %.3f ± %.1f %%, single precision %.3f; distances "
                 "from it %.1e and %.1e\n",
                 a.median, 100 * a.spread, b.median, 100 * b.spread, summary(times).median, distance,
-                distance_beside);
+                distance_of_peer);
     const auto print_ratio = [](const char* name, std::vector<double> values) {
         std::sort(values.begin(), values.end());
         const std::size_t n = values.size();
@@ -158,20 +158,20 @@ void measure(const options& o) {
     for (float& f : frames)
         f = static_cast<float>(random.uniform(-2, 2));
     const auto deployed = [&] { network.deployed(frames, ours); };
-    const auto beside = [&] { network.beside->run(frames, theirs); };
+    const auto run_peer = [&] { network.peer->run(frames, theirs); };
 
-    deployed(), beside();
+    deployed(), run_peer();
     // What rounding explains: a unit roundoff for every term of the sums behind one output.
     const double distance = check_agreement(ours, theirs,
                                             static_cast<double>(std::numeric_limits<float>::epsilon()) / 2 *
                                                 static_cast<double>(network.longest_sums));
-    const std::vector<float> first = ours, first_beside = theirs;
+    const std::vector<float> first = ours, first_of_peer = theirs;
     std::vector<double> our_times, their_times;
     for (std::size_t turn = 0; turn < o.turns; ++turn) {
         our_times.push_back(milliseconds(deployed));
-        their_times.push_back(milliseconds(beside));
+        their_times.push_back(milliseconds(run_peer));
     }
-    if (ours != first || theirs != first_beside)
+    if (ours != first || theirs != first_of_peer)
         throw std::runtime_error("results differ from turn to turn");
 
     const summary a(our_times), b(their_times);

@@ -20,7 +20,7 @@ struct large_network {
     std::size_t inputs, outputs; ///< elements of a frame and of its result
     std::size_t longest_sums;    ///< terms of one output of each layer, all layers together
     std::function<void(std::span<const float> frames, std::span<float> results)> deployed;
-    std::unique_ptr<peer> beside;
+    std::unique_ptr<benchmark::peer> peer;
     /// Both in 8 bits, made when wanted; empty where a network is not measured in 8 bits.
     std::function<void(std::span<const std::uint8_t> frames, std::span<float> results)> deployed_8bit;
     std::function<std::unique_ptr<byte_peer>(std::span<const std::uint8_t> frames)> make_peer_8bit;

@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <string>
 #include <support/allocations.hpp>
+#include <support/drawn_network.hpp>
 #include <support/layers/reference_of.hpp>
 #include <support/same_bits.hpp>
 #include <thread>
@@ -23,22 +24,11 @@
 
 using namespace tactnet;
 using kernels::lanes;
+using support::drawn_network;
 using support::same_bits;
 
 namespace {
 
-/// A network whose numbers are drawn, weights so that values keep their size.
-template <class Network>
-Network drawn(std::uint32_t seed = 1) {
-    Network network;
-    random_stream random(seed, random_purposes::order, 0);
-    network.for_each_parameter([&](const parameter& p, std::span<float> values) {
-        const double size = 1.5 / std::sqrt(static_cast<double>(p.fan_in));
-        for (float& value : values)
-            value = static_cast<float>(random.uniform(-size, size));
-    });
-    return network;
-}
 /// Recordings, each `frames` times `features` numbers.
 std::vector<std::vector<float>> recordings(std::size_t count, std::size_t frames, std::size_t features) {
     random_stream random(2, random_purposes::order, 0);
@@ -90,7 +80,7 @@ using wide = network<shape{4, 1, 37}, gru<70>, lstm<33>, causal_conv1d<41, 2>>;
 TEST_CASE_TEMPLATE("deployed_stream: bit-identical with the network in a batch, on any number of threads",
                    Network, tagger, wide, network<shape{1, 1, 1}, gru<1>>,
                    network<shape{11, 1, 2}, lstm<16>, gru<8>>) {
-    const auto network = drawn<Network>();
+    const auto network = drawn_network<Network>();
     const auto stream = deploy_stream(network);
     for (const std::size_t count : {std::size_t{1}, 2 * lanes<float> + 1}) {
         const auto sequences = recordings(count, Network::input_shape.rows, Network::input_shape.channels);
@@ -104,7 +94,7 @@ TEST_CASE_TEMPLATE("deployed_stream: bit-identical with the network in a batch, 
 
 TEST_CASE_TEMPLATE("deployed_stream: after each frame the logits of the sequence so far", Network,
                    classifier<1>, classifier<2>, classifier<9>) {
-    const auto network = drawn<Network>();
+    const auto network = drawn_network<Network>();
     const auto sequence = recordings(1, Network::input_shape.rows, 3);
     const std::vector<float> outputs = in_stream(deploy_stream(network), sequence[0]);
     const std::vector<float> last(outputs.end() - 4, outputs.end());
@@ -112,7 +102,7 @@ TEST_CASE_TEMPLATE("deployed_stream: after each frame the logits of the sequence
 }
 
 TEST_CASE("deployed_stream: outputs lie within the derived bound of the reference in double") {
-    const auto network = drawn<tagger>(7);
+    const auto network = drawn_network<tagger>(7);
     const auto stream = deploy_stream(network);
     const auto reference = support::reference_of<tagger::specification>::on({3, 9, 1});
     const std::vector<double> values(network.learnable_values().begin(), network.learnable_values().end());
@@ -129,7 +119,7 @@ TEST_CASE("deployed_stream: outputs lie within the derived bound of the referenc
 }
 
 TEST_CASE("deployed_stream: broken frames are reported and change nothing") {
-    const auto stream = deploy_stream(drawn<tagger>());
+    const auto stream = deploy_stream(drawn_network<tagger>());
     const auto recording = recordings(1, 9, 3)[0];
     const std::vector<float> expected = in_stream(stream, recording);
     std::vector<float> found(expected.size());
@@ -153,7 +143,7 @@ TEST_CASE("deployed_stream: broken frames are reported and change nothing") {
 }
 
 TEST_CASE("deployed_stream: run stops at a broken frame and goes on from the same state") {
-    const auto stream = deploy_stream(drawn<tagger>());
+    const auto stream = deploy_stream(drawn_network<tagger>());
     auto recording = recordings(1, 9, 3)[0];
     const std::vector<float> expected = in_stream(stream, recording);
     std::vector<float> found(expected.size());
@@ -172,7 +162,7 @@ TEST_CASE("deployed_stream: run stops at a broken frame and goes on from the sam
 
 TEST_CASE(
     "deployed_stream: the largest inputs that it takes leave the outputs finite, however many there are") {
-    const auto stream = deploy_stream(drawn<tagger>());
+    const auto stream = deploy_stream(drawn_network<tagger>());
     float largest = std::numeric_limits<float>::max();
     std::array<float, 2> to{};
     decltype(stream)::state memory;
@@ -189,7 +179,7 @@ TEST_CASE(
 
 TEST_CASE("deployed_stream: calls use no heap and do not throw") {
     using stream_type = deployed_stream<wide>;
-    const stream_type stream(drawn<wide>());
+    const stream_type stream(drawn_network<wide>());
     const auto recording = recordings(1, 50, 37)[0];
     std::vector<float> outputs(50 * 41);
     stream_type::state memory;
@@ -208,7 +198,7 @@ TEST_CASE("deployed_stream: calls use no heap and do not throw") {
 }
 
 TEST_CASE("deployed_stream: a copy of the state is a point to return to, a new one the beginning") {
-    const auto stream = deploy_stream(drawn<tagger>());
+    const auto stream = deploy_stream(drawn_network<tagger>());
     const auto recording = recordings(1, 9, 3)[0];
     const std::vector<float> expected = in_stream(stream, recording);
     std::vector<float> found(expected.size());
@@ -227,7 +217,7 @@ TEST_CASE("deployed_stream: a copy of the state is a point to return to, a new o
 }
 
 TEST_CASE("deployed_stream: threads share one stream, each with its own state") {
-    const auto stream = deploy_stream(drawn<wide>());
+    const auto stream = deploy_stream(drawn_network<wide>());
     const auto sequences = recordings(4, 4, 37);
     std::vector<std::vector<float>> expected, found(4);
     for (const auto& each : sequences)
@@ -248,7 +238,7 @@ TEST_CASE("deployed_stream: threads share one stream, each with its own state") 
 }
 
 TEST_CASE("deployed_stream: classify returns the largest logit and its probability") {
-    const auto stream = deploy_stream(drawn<classifier<6>>());
+    const auto stream = deploy_stream(drawn_network<classifier<6>>());
     const auto recording = recordings(1, 6, 3)[0];
     decltype(stream)::state one, other;
     for (std::size_t frame = 0; frame < 6; ++frame) {
@@ -267,7 +257,7 @@ TEST_CASE("deploy_stream: parameters that are not finite or too large are refuse
     for (const float wrong : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                               std::numeric_limits<float>::max()})
         for (const std::size_t where : {std::size_t{0}, tagger::parameters / 2, tagger::parameters - 1}) {
-            auto network = drawn<tagger>();
+            auto network = drawn_network<tagger>();
             network.learnable_values()[where] = wrong;
             std::string message;
             try {

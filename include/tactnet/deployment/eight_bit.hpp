@@ -65,11 +65,12 @@ template <class View>
 
 namespace detail {
 
-[[gnu::cold, gnu::noinline]] inline void require_no_problem(const folded_layout& layout,
+[[gnu::cold, gnu::noinline]] inline void require_no_problem(const char* call, const folded_layout& layout,
                                                             std::span<const float> folded) {
     if (const auto p = detail::find_problem(layout, folded))
-        throw std::invalid_argument("deploy: " + p->array + ", element " + std::to_string(p->element) +
-                                    ": expected " + p->expected + ", found " + p->found);
+        throw std::invalid_argument(std::string(call) + ": " + p->array + ", element " +
+                                    std::to_string(p->element) + ": expected " + p->expected + ", found " +
+                                    p->found);
 }
 
 /// For the constructor of `deployed`.
@@ -77,7 +78,7 @@ template <>
 struct folded_check<eight_bit> {
     template <class View>
     static void require(std::span<const float> folded) {
-        require_no_problem(folded_layout_of<View>(), folded);
+        require_no_problem("deploy", folded_layout_of<View>(), folded);
     }
 };
 

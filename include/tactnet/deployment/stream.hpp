@@ -43,8 +43,9 @@ struct stream_logits<sequence<Specs...>> {
 ///
 /// deployment/eight_bit/stream.hpp specialises it for the format `eight_bit`.
 template <class Network, class Format = single_precision>
-class deployed_stream : public detail::stream_calls<deployed_stream<Network>, Network::input_shape.channels,
-                                                    Network::output_shape.channels> {
+class deployed_stream
+    : public detail::stream_calls<deployed_stream<Network, Format>, Network::input_shape.channels,
+                                  Network::output_shape.channels> {
     static_assert(std::is_same_v<Format, single_precision>,
                   "deploy_stream: include tactnet/quantisation.hpp for streams in 8 bits");
     using calls =

@@ -56,7 +56,7 @@ struct stored_outputs {
 /// An activation function that convolutions apply to their outputs.
 /// layers/activations/activation_function.hpp makes one of each function: tactnet::fused<Function>.
 struct fused_activation {
-    bool exists = false; ///< whether it is a function; no_activation is none
+    bool exists = false; ///< false only for no_activation
     detail::functions_of_vectors<lanes<float>> functions{};
     /// Applies the function to stored outputs, whole vectors of the widest type.
     void (*apply)(const stored_outputs& outputs) = nullptr;

@@ -44,18 +44,16 @@ public:
         require_finite(steps::observe(values, frames_of(sequences), found), "parameters and sequences");
         require_finite({&found.out_of_range, 1}, "parameters and sequences");
 
-        float largest = 0;
-        for (const float value : sequences)
-            largest = std::max(largest, std::abs(value));
-        const map_range words{largest > 0 ? std::clamp(largest * headroom / 32767, 1e-30F, 1e30F) : 1, 0};
+        write_word_steps(sequences);
+        const std::vector<float> scaled = scaled_by_word_steps(network.learnable_values());
+        require_finite(scaled, "parameters and sequences");
         std::vector<map_range> ranges;
         for (const auto& [lowest, highest] : found.ranges)
             ranges.push_back(map_range::of(lowest, highest));
-        words.write(folded_.data());
-        float* const of_steps = folded_.data() + map_range::numbers;
-        steps::fold(values, of_steps);
+        float* const of_steps = folded_.data() + input.channels;
+        steps::fold(scaled.data(), of_steps);
         const map_range* next = ranges.data();
-        const map_range output = steps::set_ranges(of_steps, words, next);
+        const map_range output = steps::set_ranges(of_steps, map_range{}, next);
         if constexpr (!plan::writes_floats)
             output.write(folded_.data() + plan::output_range);
         round_weights(plan::layout(), folded_);
@@ -66,6 +64,25 @@ public:
     }
 
 private:
+    [[gnu::cold]] void write_word_steps(std::span<const float> sequences) {
+        std::vector<float> largest(input.channels);
+        for (std::size_t i = 0; i < sequences.size(); ++i) {
+            float& of_feature = largest[i % input.size() / input.rows];
+            of_feature = std::max(of_feature, std::abs(sequences[i]));
+        }
+        for (std::size_t f = 0; f < input.channels; ++f)
+            folded_[f] = largest[f] > 0 ? std::clamp(largest[f] * headroom / 32767, 1e-30F, 1e30F) : 1;
+    }
+    /// Parameters for features in steps of their words: weights of the first layer, [row][feature][tap] in
+    /// every kind of layer that can be first, are multiplied by the step of their feature.
+    [[gnu::cold]] std::vector<float> scaled_by_word_steps(std::span<const float> parameters) const {
+        std::vector<float> scaled(parameters.begin(), parameters.end());
+        const parameter weights = Network::describe().front();
+        const std::size_t taps = weights.size / weights.extents[0] / input.channels;
+        for (std::size_t i = 0; i < weights.size; ++i)
+            scaled[weights.offset + i] *= folded_[i / taps % input.channels];
+        return scaled;
+    }
     /// From feature by feature to frame by frame.
     [[gnu::cold]] static std::vector<float> frames_of(std::span<const float> sequences) {
         std::vector<float> frames(sequences.size());

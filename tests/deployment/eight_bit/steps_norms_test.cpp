@@ -66,6 +66,18 @@ TEST_CASE("eight_bit: local response norms give the bits of the plain reference"
 
 namespace {
 
+/// Writes drawn bytes to `bytes`, a map with `Stride` bytes from one pixel to the next; returns their values.
+template <shape Map, std::size_t Stride>
+support::sample drawn_map(map_range range, auto draw_byte, aligned_vector<std::uint8_t>& bytes) {
+    support::sample values(Map.size());
+    for (std::size_t e = 0; e < Map.size(); ++e) {
+        std::uint8_t& byte = bytes[e % Map.area() * Stride + e / Map.area()];
+        byte = draw_byte(e);
+        values[e].value = (byte - static_cast<double>(range.zero_point)) * static_cast<double>(range.scale);
+    }
+    return values;
+}
+
 /// How many steps of the output the bytes of a local response norm are further from the norm in double
 /// precision than roundings may bring them: half a step for the byte; no other number is rounded more than
 /// sixteen times on its way, the sum with the margin and five numbers each of three powers.
@@ -77,12 +89,7 @@ double responses_beyond_bound(map_range input, map_range output, auto draw_byte)
     step::arrays.write_ranges(folded.data(), {input, {}, output});
     constexpr std::size_t elements = Map.area() * Stride;
     aligned_vector<std::uint8_t> in(elements, std::uint8_t{0xa5}), out(elements);
-    support::sample values(Map.size());
-    for (std::size_t e = 0; e < Map.size(); ++e) {
-        std::uint8_t& byte = in[e % Map.area() * Stride + e / Map.area()];
-        byte = draw_byte(e);
-        values[e].value = (byte - static_cast<double>(input.zero_point)) * static_cast<double>(input.scale);
-    }
+    const support::sample values = drawn_map<Map, Stride>(input, draw_byte, in);
     aligned_vector<std::int8_t> packed(step::packed_elements);
     step::pack(folded.data(), packed.data());
     step::run(packed.data(), in.data(), out.data(), nullptr);
@@ -153,12 +160,7 @@ double steps_beyond_bound(map_range input, map_range output, float epsilon, auto
     constexpr std::size_t elements = Map.area() * Stride;
     aligned_vector<std::uint8_t> in(elements, std::uint8_t{0xa5}), out(elements),
         memory(step::workspace_elements + 1, std::uint8_t{0xff});
-    support::sample values(Map.size());
-    for (std::size_t e = 0; e < Map.size(); ++e) {
-        std::uint8_t& byte = in[e % Map.area() * Stride + e / Map.area()];
-        byte = draw_byte(e);
-        values[e].value = (byte - static_cast<double>(input.zero_point)) * static_cast<double>(input.scale);
-    }
+    const support::sample values = drawn_map<Map, Stride>(input, draw_byte, in);
     aligned_vector<std::int8_t> packed(step::packed_elements);
     step::pack(folded.data(), packed.data());
     step::run(packed.data(), in.data(), out.data(), memory.data());

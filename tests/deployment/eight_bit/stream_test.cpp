@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <string>
 #include <support/allocations.hpp>
+#include <support/drawn_network.hpp>
 #include <support/layers/whole_reference_streams.hpp>
 #include <support/same_bits.hpp>
 #include <type_traits>
@@ -24,22 +25,11 @@
 // single precision.
 
 using namespace tactnet;
+using support::drawn_network;
 using support::same_bits;
 
 namespace {
 
-/// A network whose numbers are drawn, weights so that values keep their size.
-template <class Network>
-Network drawn(std::uint32_t seed = 1) {
-    Network network;
-    random_stream random(seed, random_purposes::order, 0);
-    network.for_each_parameter([&](const parameter& p, std::span<float> values) {
-        const double size = 1.5 / std::sqrt(static_cast<double>(p.fan_in));
-        for (float& value : values)
-            value = static_cast<float>(random.uniform(-size, size));
-    });
-    return network;
-}
 /// Samples, feature by feature.
 template <class Network>
 std::vector<float> samples(std::size_t count, std::uint32_t seed = 2) {
@@ -80,7 +70,7 @@ using ends_in_relu =
 
 TEST_CASE_TEMPLATE("deployed_stream: in 8 bits, the bits of the plain reference", Network, classifier, tagger,
                    wide, ends_in_bytes, ends_in_states, ends_in_relu) {
-    const auto network = drawn<Network>();
+    const auto network = drawn_network<Network>();
     const std::vector<float> all = samples<Network>(8);
     const auto stream = deploy_stream<eight_bit>(network, all);
     std::size_t different = 0, not_zero = 0;
@@ -101,7 +91,7 @@ TEST_CASE_TEMPLATE("deployed_stream: in 8 bits, the bits of the plain reference"
 
 TEST_CASE_TEMPLATE("deployed_stream: in 8 bits, close to single precision", Network, classifier, tagger, wide,
                    ends_in_bytes, ends_in_states, ends_in_relu) {
-    const auto network = drawn<Network>();
+    const auto network = drawn_network<Network>();
     const std::vector<float> all = samples<Network>(16);
     const auto exact = deploy_stream(network);
     const auto stream = deploy_stream<eight_bit>(network, all);
@@ -123,9 +113,31 @@ TEST_CASE_TEMPLATE("deployed_stream: in 8 bits, close to single precision", Netw
     static_assert(deployed_stream<Network, eight_bit>::state_bytes < deployed_stream<Network>::state_bytes);
 }
 
+TEST_CASE_TEMPLATE("deployed_stream: in 8 bits, features of unequal size are as exact as others", First,
+                   gru<16>, causal_conv1d<16, 3>) {
+    using net = network<shape{20, 1, 3}, First, gru<8>, last_frame, dense<3>>;
+    auto network = drawn_network<net>();
+    std::vector<float> all = samples<net>(16);
+    const auto stream = deploy_stream<eight_bit>(network, all);
+    // A feature is larger and its weights are smaller by a power of two: exactly the same network.
+    constexpr float larger = 4096;
+    const parameter weights = net::describe().front();
+    for (std::size_t i = 0; i < weights.size; ++i)
+        if (i / (weights.size / weights.extents[0] / 3) % 3 == 1)
+            network.learnable_values()[weights.offset + i] /= larger;
+    std::vector<float> of_unequal = all;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (i % 60 / 20 == 1)
+            of_unequal[i] *= larger;
+    const auto unequal = deploy_stream<eight_bit>(network, of_unequal);
+    for (std::size_t s = 0; s < 16; ++s)
+        CHECK(same_bits(outputs_of(unequal, recording_of<net>(of_unequal, s)),
+                        outputs_of(stream, recording_of<net>(all, s))));
+}
+
 TEST_CASE("deployed_stream: in 8 bits, an error does not grow with the length of a recording") {
     using net = network<shape{2000, 1, 2}, gru<16>, lstm<8>, causal_conv1d<3, 1>>;
-    const auto network = drawn<net>(5);
+    const auto network = drawn_network<net>(5);
     const std::vector<float> all = samples<net>(1);
     const auto recording = recording_of<net>(all, 0);
     const std::vector<float> expected = outputs_of(deploy_stream(network), recording),
@@ -140,7 +152,7 @@ TEST_CASE("deployed_stream: in 8 bits, an error does not grow with the length of
 }
 
 TEST_CASE("deployed_stream: in 8 bits, its folded numbers make it again, and others are rejected") {
-    const auto stream = deploy_stream<eight_bit>(drawn<tagger>(), samples<tagger>(8));
+    const auto stream = deploy_stream<eight_bit>(drawn_network<tagger>(), samples<tagger>(8));
     using stream_type = std::remove_const_t<decltype(stream)>;
     std::vector<float> folded(stream.folded().begin(), stream.folded().end());
     const auto made = [&] {
@@ -167,13 +179,35 @@ TEST_CASE("deployed_stream: in 8 bits, its folded numbers make it again, and oth
                 folded[array.offset] = kept;
             }
     folded[0] = 0;
-    CHECK_THROWS_WITH_AS((void)made(), doctest::Contains("frame.range, element 0: expected a scale"),
+    CHECK_THROWS_WITH_AS((void)made(), doctest::Contains("frame.step, element 0: expected a scale"),
                          std::invalid_argument);
+    folded[0] = 1;
+
+    // A sum is scaled by its larger range, not by the product of both.
+    const folded_step& sum = layout.steps[4];
+    const auto with_scales = [&](float input, float added, float output) {
+        std::vector<float> kept = folded;
+        folded[sum.find("input")->offset] = input, folded[sum.find("added")->offset] = added;
+        folded[sum.find("output")->offset] = output;
+        try {
+            (void)made();
+        } catch (const std::invalid_argument& e) {
+            folded = kept;
+            return std::string(e.what());
+        }
+        folded = kept;
+        return std::string();
+    };
+    CHECK(with_scales(1e27F, 1e27F, 1e10F).empty());
+    CHECK(
+        with_scales(1e30F, 1e-30F, 1.2e-38F)
+            .starts_with("deploy_stream: step2.input, element 0: expected scales of which each over that of "
+                         "the output is a number of single precision, found"));
 }
 
 TEST_CASE("deployed_stream: in 8 bits, broken frames are reported and change nothing; others saturate") {
     const std::vector<float> all = samples<tagger>(4);
-    const auto stream = deploy_stream<eight_bit>(drawn<tagger>(), all);
+    const auto stream = deploy_stream<eight_bit>(drawn_network<tagger>(), all);
     const auto recording = recording_of<tagger>(all, 0);
     const std::vector<float> expected = outputs_of(stream, recording);
     std::vector<float> found(expected.size());
@@ -204,7 +238,7 @@ TEST_CASE("deployed_stream: in 8 bits, broken frames are reported and change not
 
 TEST_CASE("deployed_stream: in 8 bits, calls use no heap and do not throw; a copy of the state is a point") {
     const std::vector<float> all = samples<wide>(4);
-    const auto stream = deploy_stream<eight_bit>(drawn<wide>(), all);
+    const auto stream = deploy_stream<eight_bit>(drawn_network<wide>(), all);
     using stream_type = std::remove_const_t<decltype(stream)>;
     const auto recording = recording_of<wide>(all, 0);
     std::vector<float> outputs(4 * 41), again(4 * 41);
@@ -230,7 +264,7 @@ TEST_CASE("deployed_stream: in 8 bits, calls use no heap and do not throw; a cop
 
 TEST_CASE("deployed_stream: in 8 bits, classify returns the largest logit and its probability") {
     const std::vector<float> all = samples<classifier>(4);
-    const auto stream = deploy_stream<eight_bit>(drawn<classifier>(), all);
+    const auto stream = deploy_stream<eight_bit>(drawn_network<classifier>(), all);
     decltype(stream)::state one, other;
     const auto recording = recording_of<classifier>(all, 3);
     for (std::size_t frame = 0; frame < 40; ++frame) {

@@ -5,6 +5,7 @@
 #include <tactnet/layers.hpp>
 
 #include <support/layers/reference.hpp>
+#include <support/layers/window_of.hpp>
 
 namespace support {
 
@@ -121,17 +122,7 @@ struct reference_of<tactnet::dilated_conv2d<Filters, Kernel, Dilation, Stride, P
 private:
     static reference_dilation::layout layout_of(const tactnet::kernels::dilated_layout& layout,
                                                 tactnet::extent2d outputs) {
-        const tactnet::sliding_window w = layout.window();
-        reference_dilation::layout found{{{w.input.channels, w.input.rows, w.input.columns},
-                                          w.kernel.rows,
-                                          w.kernel.columns,
-                                          w.stride.rows,
-                                          w.stride.columns,
-                                          w.top,
-                                          w.bottom,
-                                          w.left,
-                                          w.right},
-                                         {}};
+        reference_dilation::layout found{window_of(layout.window()), {}};
         for (std::size_t o = 0; o < outputs.area(); ++o)
             found.sums.push_back(layout.sum_of(o / outputs.columns, o % outputs.columns));
         return found;

@@ -290,18 +290,18 @@ std::vector<float> reference_stream_outputs(std::span<const float> folded, std::
     using plan = tactnet::eight_bit_stream_plan<Network>;
     constexpr std::size_t features = Network::input_shape.channels;
     const float* from = folded.data();
-    const reference_range words = reference_range::next(from);
-    stream_place place{features, words, true, false};
+    std::vector<float> steps_per_unit;
+    for (std::size_t f = 0; f < features; ++f)
+        steps_per_unit.push_back(1 / *from++);
+    stream_place place{features, {1, 0}, true, false};
     auto run = reference_stream_step<
         typename tactnet::detail::stream_logits<typename Network::specification>::type>::make(from, place);
-    const float inverse = 1 / static_cast<float>(words.scale);
     std::vector<float> outputs;
     for (std::size_t first = 0; first < recording.size(); first += features) {
         stream_frame in;
         for (std::size_t f = 0; f < features; ++f) {
-            const float steps = std::clamp(recording[first + f] * inverse, -32767.0F, 32767.0F);
-            in.whole.push_back(
-                std::min<std::int64_t>(static_cast<std::int64_t>(std::nearbyint(steps)) + words.zero, 32767));
+            const float steps = std::clamp(recording[first + f] * steps_per_unit[f], -32767.0F, 32767.0F);
+            in.whole.push_back(static_cast<std::int64_t>(std::nearbyint(steps)));
         }
         const stream_frame out = run(in);
         if constexpr (plan::writes_floats)

@@ -4,6 +4,7 @@
 #include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/detail/arithmetic.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -103,20 +104,26 @@ private:
     }
     /// Checks the factor from sums to outputs of the step.
     [[gnu::cold]] void check_factor(const std::string& array, std::size_t element, double unit,
-                                    const map_range& output) {
+                                    const map_range& output,
+                                    const char* expected = "scales whose product over that of the output is "
+                                                           "a number of single precision") {
         const double factor = unit / static_cast<double>(output.scale);
-        require(factor <= static_cast<double>(std::numeric_limits<float>::max()), array, element,
-                "scales whose product over that of the output is a number of single precision", factor);
+        require(factor <= static_cast<double>(std::numeric_limits<float>::max()), array, element, expected,
+                factor);
     }
     [[gnu::cold]] void check_sums(const folded_step& step) {
         const step_ranges ranges{range_of(step, "input"), range_of(step, "added"), range_of(step, "output")};
         const folded_step::array *const weights = step.find("weight"), *const biases = step.find("bias"),
                                         *const scales = step.find("scale");
-        if (weights == nullptr || biases == nullptr)
-            return check_factor(step.arrays[0].name, 0,
-                                static_cast<double>(ranges.input.scale) *
-                                    static_cast<double>(ranges.added.scale),
-                                ranges.output);
+        if (weights == nullptr || biases == nullptr) {
+            const auto input = static_cast<double>(ranges.input.scale),
+                       added = static_cast<double>(ranges.added.scale);
+            if (step.adds)
+                return check_factor(step.arrays[0].name, 0, std::max(input, added), ranges.output,
+                                    "scales of which each over that of the output is a number of single "
+                                    "precision");
+            return check_factor(step.arrays[0].name, 0, input * added, ranges.output);
+        }
         const bool norm_of_frames = step.find("epsilon") != nullptr;
         for (std::size_t f = 0; f < biases->size && !problem_; ++f) {
             const float bias = folded_[biases->offset + f];

@@ -26,6 +26,7 @@ struct folded_step {
     std::string name;          ///< its path in the network: "step2", "step3.main.step1"
     double largest_input = 0;  ///< the largest magnitude of an input of a step with weights
     std::vector<array> arrays; ///< in the order of the folded numbers
+    bool adds = false;         ///< of a step without weights: whether it adds two maps, or multiplies them
 
     /// The array of this name in `arrays` of the step, or null.
     [[nodiscard]] const array* find(std::string_view array_name) const {

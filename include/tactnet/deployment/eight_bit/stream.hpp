@@ -34,17 +34,19 @@ struct eight_bit_stream_plan {
                   "deploy_stream: in 8 bits, the network needs a layer with weights");
     /// Otherwise the last layer writes bytes.
     static constexpr bool writes_floats = std::is_same_v<typename steps::output_number, float>;
-    /// The range of the words, and of bytes that are outputs.
+    /// The value of one step of a feature's words, of which the first layer reads whole numbers.
+    static constexpr folded_arrays word_steps{{"step", folded_kind::scales, {input.channels}}};
+    /// The range of bytes that are outputs.
     static constexpr folded_arrays range{{"range", folded_kind::range, {map_range::numbers}}};
     /// How many folded numbers there are.
     static constexpr std::size_t folded_elements =
-        map_range::numbers + steps::folded_elements + (writes_floats ? 0 : map_range::numbers);
+        word_steps.numbers() + steps::folded_elements + (writes_floats ? 0 : map_range::numbers);
     static constexpr std::size_t output_range = folded_elements - map_range::numbers; ///< of bytes
 
     /// The names of the folded numbers.
     [[nodiscard]] [[gnu::cold]] static folded_layout layout() {
         folded_layout all{{1, 1, input.channels}, Network::output_shape.channels, 0, 0, false, {}};
-        detail::append_step(all, "frame", range, 0);
+        detail::append_step(all, "frame", word_steps, 0);
         steps::append_arrays(all, "");
         if constexpr (!writes_floats)
             detail::append_step(all, "outputs", range, 0);
@@ -53,9 +55,9 @@ struct eight_bit_stream_plan {
 };
 
 /// A network of sequences in 8 bits: deployed_stream of its network, with the same calls and the same
-/// guarantees. Features are rounded to words of 16 bits, and finite ones beyond these saturate. Weights are
-/// signed bytes, as in other networks of 8 bits, hidden states 16 bits (kernels/integer/recurrent.hpp).
-/// Outputs are bit-identical on every instruction set.
+/// guarantees. Features are rounded to words of 16 bits, each with a step of its own, and finite ones beyond
+/// these saturate. Weights are signed bytes, as in other networks of 8 bits, hidden states 16 bits
+/// (kernels/integer/recurrent.hpp). Outputs are bit-identical on every instruction set.
 ///
 /// The first layer is gru, lstm, causal_conv1d or dense.
 template <class Network>
@@ -81,10 +83,10 @@ public:
     /// one is not finite, or if 8 bits cannot hold it, and std::bad_alloc.
     explicit deployed_stream(std::span<const float, folded_elements> folded)
         : folded_(folded.begin(), folded.end()), packed_(steps::packed_elements) {
-        detail::require_no_problem(plan::layout(), folded);
-        const map_range words = map_range::read(folded_.data());
-        steps_per_unit_ = 1 / words.scale, zero_word_ = static_cast<std::int32_t>(words.zero_point);
-        steps::pack(folded_.data() + map_range::numbers, packed_.data());
+        detail::require_no_problem("deploy_stream", plan::layout(), folded);
+        for (std::size_t f = 0; f < features; ++f)
+            steps_per_unit_[f] = 1 / folded[f];
+        steps::pack(folded_.data() + features, packed_.data());
     }
     /// The numbers before packing, which make the same stream again.
     [[nodiscard]] std::span<const float, folded_elements> folded() const noexcept {
@@ -99,13 +101,11 @@ public:
         alignas(vector_alignment) std::array<std::int16_t, pad_to_cache_line<std::int16_t>(features)> words{};
         std::size_t broken = 0;
         for (std::size_t f = 0; f < features; ++f) {
-            constexpr std::int32_t most = std::numeric_limits<std::int16_t>::max();
-            constexpr auto limit = static_cast<float>(most);
+            constexpr float limit = std::numeric_limits<std::int16_t>::max();
             broken += !(std::abs(frame[f]) <= std::numeric_limits<float>::max());
             // The clamp lies between the product and the sum that rounds it.
-            const float scaled = std::clamp(frame[f] * steps_per_unit_, -limit, limit);
-            const std::int32_t word = kernels::nearest<1>(kernels::float_vec<1>{scaled})[0] + zero_word_;
-            words[f] = static_cast<std::int16_t>(std::min(word, most));
+            const float scaled = std::clamp(frame[f] * steps_per_unit_[f], -limit, limit);
+            words[f] = static_cast<std::int16_t>(kernels::nearest<1>(kernels::float_vec<1>{scaled})[0]);
         }
         if (broken > 0)
             return frame_status::not_finite;
@@ -129,8 +129,7 @@ public:
 private:
     std::vector<float> folded_;
     aligned_vector<std::int8_t> packed_;
-    float steps_per_unit_ = 1;
-    std::int32_t zero_word_ = 0;
+    std::array<float, features> steps_per_unit_;
 };
 
 }} // namespace tactnet

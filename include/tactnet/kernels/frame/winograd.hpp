@@ -171,7 +171,7 @@ struct winograd_method : frame_method {
     /// second level one list was faster, with more it was slower (Zen 4).
     static constexpr std::size_t frames_together =
         winograd_tiles<C, Outputs, 4>::workspace * sizeof(float) <= l2_cache_bytes / 8 ? 4 : 1;
-    /// Of one frame, and a share of one list of several.
+    /// Enough for one frame, and for each frame of a list of several.
     static constexpr std::size_t workspace_elements = std::max(
         winograd_tiles<C, Outputs>::workspace,
         pad_to_cache_line(ceil_div(winograd_tiles<C, Outputs, frames_together>::workspace, frames_together)));

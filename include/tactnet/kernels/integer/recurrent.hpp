@@ -9,14 +9,15 @@
 #include <cstddef>
 #include <cstdint>
 
-// The cells of recurrent layers in integers, for weights and hidden states of 8 bits. Gates and hidden states
-// are multiples of 1/32768; sums and the content of an LSTM are multiples of 1/2048, up to ±16. A product of
-// two such numbers fits 32 bits and is rounded to the nearest; sigmoid and tanh are computed from integers
-// and rounded once. No product of floats is added to anything, so all instruction sets give the same bits.
+// The cells of recurrent layers in integers. Products read hidden states as bytes, states keep 16 bits. Gates
+// and hidden states are multiples of 1/32768; sums and the content of an LSTM are multiples of 1/2048, up to
+// ±16. A product of two such numbers fits 32 bits and is rounded to the nearest; sigmoid and tanh are
+// computed from integers and rounded once. No product of floats is added to anything, so all instruction sets
+// give the same bits.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
-/// The numbers of 16 bits in cells.
+/// The formats of the 16-bit numbers in cells.
 struct cell_numbers {
     static constexpr int gate_bits = 15, sum_bits = 11; ///< after the point
     static constexpr std::int32_t most = 32767;         ///< the largest magnitude
@@ -28,7 +29,7 @@ namespace detail {
 
 /// Values clamped to ±Most.
 template <std::size_t Lanes, std::int32_t Most = cell_numbers::most>
-[[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes> limited(int32_vec<Lanes> values) {
+[[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes> clamped(int32_vec<Lanes> values) {
     const int32_vec<Lanes> most = Most + int32_vec<Lanes>{}, least = -most;
     values = values < most ? values : most;
     return values > least ? values : least;
@@ -63,13 +64,13 @@ template <std::size_t Lanes>
 /// sigmoid(x ÷ 2048) · 32768, from 0 to 32768, within 1.9. `x` may be the sum of two sums.
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes> sigmoid_of_sum(const int32_vec<Lanes>& x) {
-    return logistic<Lanes>(limited<Lanes>(x), 32768);
+    return logistic<Lanes>(clamped<Lanes>(x), 32768);
 }
 /// tanh(x ÷ 2048) · 32768 = 65536 · sigmoid(2 x ÷ 2048) − 32768, from −32767 to 32767, within 3.1.
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes> tanh_of_sum(const int32_vec<Lanes>& x) {
     constexpr std::int32_t within_one = 24000; // what is larger would be rounded to ±32768
-    return logistic<Lanes>(limited<Lanes, within_one>(2 * x), 65536) - 32768;
+    return logistic<Lanes>(clamped<Lanes, within_one>(2 * x), 65536) - 32768;
 }
 
 } // namespace detail
@@ -106,7 +107,7 @@ struct word_lstm_cell {
                                f = detail::sigmoid_of_sum<Lanes>(in[1] + hidden[1]),
                                g = detail::tanh_of_sum<Lanes>(in[2] + hidden[2]),
                                o = detail::sigmoid_of_sum<Lanes>(in[3] + hidden[3]);
-        state[1] = detail::limited<Lanes>(detail::scaled_product<Lanes, bits>(f, state[1]) +
+        state[1] = detail::clamped<Lanes>(detail::scaled_product<Lanes, bits>(f, state[1]) +
                                           detail::scaled_product<Lanes, to_content>(i, g));
         state[0] = detail::scaled_product<Lanes, bits>(o, detail::tanh_of_sum<Lanes>(state[1]));
     }

@@ -1,6 +1,8 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/streaming/stream_step.hpp>
+#include <tactnet/deployment/eight_bit/streaming/causal_convolution.hpp>
+#include <tactnet/deployment/eight_bit/streaming/recurrent.hpp>
+#include <tactnet/deployment/lowering/sequence.hpp>
 #include <tactnet/deployment/streaming/stream_list.hpp>
 #include <tactnet/kernels/integer/elementwise.hpp>
 #include <tactnet/layers/composition/named.hpp>
@@ -19,13 +21,9 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// Layers that change nothing in a stream.
+/// A layer that changes nothing in a stream, which has one frame at a time.
 template <class Spec>
-inline constexpr bool changes_nothing_in_streams = false;
-template <>
-inline constexpr bool changes_nothing_in_streams<last_frame> = true;
-template <unsigned Percent>
-inline constexpr bool changes_nothing_in_streams<dropout<Percent>> = true;
+concept changes_nothing_in_streams = inference_no_op<Spec> || std::is_same_v<Spec, last_frame>;
 
 /// A step that is the identity.
 template <shape Input, class Number>
@@ -125,10 +123,9 @@ struct byte_stream_chain {
 template <shape Input, class In, class Out, class Spec, class... Rest>
 struct byte_stream_list<Input, In, Out, Spec, Rest...> : byte_stream_chain<Input, In, Out, Spec, Rest...> {};
 template <shape Input, class In, class Out, class Spec, class... Rest>
-    requires changes_nothing_in_streams<Spec>
+    requires(changes_nothing_in_streams<Spec>)
 struct byte_stream_list<Input, In, Out, Spec, Rest...>
-    : byte_stream_list<Spec::costs(Input).output, In, Out, Rest...> {
-};
+    : byte_stream_list<Spec::costs(Input).output, In, Out, Rest...> {};
 /// A product takes the ReLU after it.
 template <shape Input, class In, class Out, class Spec, class Function, class... Rest>
     requires(is_relu<Function>() && runs_in_streams<rectified<Spec>, Input, eight_bit_between<In, Out>>)
@@ -150,7 +147,8 @@ private:
     using skip = stream_step<as_sequence<Skip>, Input, eight_bit>;
     static constexpr std::size_t main_parameters = as_sequence<Main>::costs(Input).parameters,
                                  channels = as_sequence<Main>::costs(Input).output.channels;
-    static constexpr std::size_t of_skip = main::packed_elements, of_sum = of_skip + skip::packed_elements,
+    static constexpr std::size_t skip_offset = main::packed_elements,
+                                 sum_offset = skip_offset + skip::packed_elements,
                                  inner_folded = main::folded_elements + skip::folded_elements;
     static constexpr folded_arrays arrays{range_array("input"), range_array("added"), range_array("output")};
 
@@ -158,7 +156,7 @@ public:
     using output_number = std::uint8_t;
     static constexpr std::size_t folded_elements = inner_folded + arrays.numbers(),
                                  packed_elements =
-                                     of_sum + pad_to_cache_line<std::int8_t>(sizeof(kernels::byte_sum)),
+                                     sum_offset + pad_to_cache_line<std::int8_t>(sizeof(kernels::byte_sum)),
                                  workspace_elements =
                                      std::max(main::workspace_elements, skip::workspace_elements);
 
@@ -183,10 +181,11 @@ public:
         main::append_arrays(to, name + ".main");
         skip::append_arrays(to, name + ".skip");
         detail::append_step(to, name, arrays, 0);
+        to.steps.back().adds = true;
     }
     static void pack(const float* folded, std::int8_t* packed) {
         main::pack(folded, packed);
-        skip::pack(folded + main::folded_elements, packed + of_skip);
+        skip::pack(folded + main::folded_elements, packed + skip_offset);
         const auto [input, added, result] = arrays.read_ranges(folded + inner_folded);
         const double unit =
             static_cast<double>(std::max(input.scale, added.scale)) / kernels::byte_sum::most_weight;
@@ -199,14 +198,14 @@ public:
         sum.factor = static_cast<float>(unit / static_cast<double>(result.scale));
         sum.zero = static_cast<std::int32_t>(result.zero_point);
         const auto bytes = detail::bits_as<std::array<std::int8_t, sizeof(sum)>>(sum);
-        std::copy(bytes.begin(), bytes.end(), packed + of_sum);
+        std::copy(bytes.begin(), bytes.end(), packed + sum_offset);
     }
     static void run(const std::int8_t* packed, const std::uint8_t* in, state& s, std::uint8_t* out,
                     std::uint8_t* memory) noexcept {
         alignas(vector_alignment) std::array<std::uint8_t, pad_to_cache_line<std::uint8_t>(channels)> added{};
         main::run(packed, in, s.of_main, out, memory);
-        skip::run(packed + of_skip, in, s.of_skip, added.data(), memory);
-        kernels::load_bytes_as<kernels::byte_sum>(packed + of_sum).add<channels>(added.data(), out);
+        skip::run(packed + skip_offset, in, s.of_skip, added.data(), memory);
+        kernels::load_bytes_as<kernels::byte_sum>(packed + sum_offset).add<channels>(added.data(), out);
     }
     static std::vector<float> observe(const float* values, const std::vector<float>& in,
                                       detail::stream_observation& found) {

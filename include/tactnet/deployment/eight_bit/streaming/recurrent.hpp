@@ -1,0 +1,113 @@
+#pragma once
+
+#include <tactnet/deployment/eight_bit/streaming/stream_step.hpp>
+#include <tactnet/kernels/integer/recurrent.hpp>
+#include <tactnet/layers/time/gru.hpp>
+#include <tactnet/layers/time/lstm.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+namespace detail {
+
+/// The cell of a layer in integers.
+template <class Cell>
+struct word_cell;
+template <>
+struct word_cell<gru_cell> : kernels::word_gru_cell {};
+template <>
+struct word_cell<lstm_cell> : kernels::word_lstm_cell {};
+
+} // namespace detail
+
+/// Recurrent layers: two products and the cells. States have 16 bits; their bytes have a range of their own.
+template <class Cell, std::size_t Hidden, shape Input, class In, class Out>
+    requires requires {
+        sizeof(detail::word_cell<Cell>);
+    }
+struct stream_step<recurrent<Cell, Hidden>, Input, eight_bit_between<In, Out>> {
+private:
+    using spec = recurrent<Cell, Hidden>;
+    using layer = typename spec::template layer<float, Input>;
+    using cells = kernels::word_cells<detail::word_cell<Cell>, Hidden>;
+    using input_product = detail::frames_product<In, float, 1, Input.channels, spec::rows>;
+    using hidden_product = detail::frames_product<std::uint8_t, float, 1, Hidden, spec::rows>;
+    static constexpr std::size_t room = // floats
+        pad_to_cache_line(std::max(cells::sums, input_product::output_stride));
+
+public:
+    using output_number = Out;
+    static constexpr std::size_t folded_elements =
+                                     input_product::folded_elements + hidden_product::folded_elements,
+                                 packed_elements =
+                                     input_product::packed_elements + hidden_product::packed_elements,
+                                 workspace_elements = std::max(input_product::workspace_elements,
+                                                               hidden_product::workspace_elements);
+    /// The bytes of hidden states.
+    static constexpr map_range hidden_range{1.0F / kernels::cell_numbers::hidden_steps,
+                                            kernels::cell_numbers::hidden_zero};
+
+    /// Zero before the first frame.
+    struct state {
+        std::array<std::int16_t, detail::word_cell<Cell>::states * cells::units> elements{};
+    };
+
+    static void fold(const float* values, float* folded) {
+        float* const hidden = folded + input_product::folded_elements;
+        std::copy_n(values, input_product::weights, folded);
+        std::copy_n(values + layer::input_biases, spec::rows, folded + input_product::weights);
+        std::copy_n(values + layer::hidden_weights, hidden_product::weights, hidden);
+        std::copy_n(values + layer::hidden_biases, spec::rows, hidden + hidden_product::weights);
+    }
+    static map_range set_ranges(float* folded, const map_range& input, const map_range*&) {
+        input_product::set_ranges(folded, {input, {}, {}});
+        hidden_product::set_ranges(folded + input_product::folded_elements, {hidden_range, {}, {}});
+        return hidden_range;
+    }
+    static void append_arrays(folded_layout& to, const std::string& name) {
+        detail::append_step(to, name + ".frame", input_product::arrays, input_product::largest_input);
+        detail::append_step(to, name + ".state", hidden_product::arrays, hidden_product::largest_input);
+    }
+    static void pack(const float* folded, std::int8_t* packed) {
+        input_product::pack(folded, packed);
+        hidden_product::pack(folded + input_product::folded_elements,
+                             packed + input_product::packed_elements);
+    }
+    static void run(const std::int8_t* packed, const std::uint8_t* in, state& s, std::uint8_t* out,
+                    std::uint8_t* memory) noexcept {
+        constexpr std::size_t bytes = pad_to_cache_line<std::uint8_t>(cells::units);
+        alignas(vector_alignment) std::array<float, room> from_input, from_state;
+        alignas(vector_alignment) std::array<std::uint8_t, bytes> hidden{};
+        cells::write_bytes(s.elements.data(), hidden.data());
+        const auto multiply = [&](auto product, const std::int8_t* weights, const std::uint8_t* x,
+                                  std::array<float, room>& to) {
+            using step = typename decltype(product)::type;
+            step::run(weights, x, reinterpret_cast<std::uint8_t*>(to.data()), memory);
+            std::fill(to.begin() + step::output_stride, to.end(), 0.0F); // read with the last vector
+        };
+        multiply(std::type_identity<input_product>{}, packed, in, from_input);
+        multiply(std::type_identity<hidden_product>{}, packed + input_product::packed_elements, hidden.data(),
+                 from_state);
+        cells::update(from_input.data(), from_state.data(), s.elements.data(), hidden.data());
+        if constexpr (std::is_same_v<Out, float>) {
+            auto* const to = reinterpret_cast<float*>(out);
+            for (std::size_t h = 0; h < Hidden; ++h)
+                to[h] = static_cast<float>(s.elements[h]) / 32768;
+        } else {
+            std::copy_n(hidden.data(), Hidden, out);
+        }
+    }
+    static std::vector<float> observe(const float* values, const std::vector<float>& in,
+                                      detail::stream_observation& found) {
+        return found.run<stream_step<spec, Input>, Input.channels, Hidden>(values, in);
+    }
+};
+
+}} // namespace tactnet
