@@ -90,7 +90,7 @@ def settings(folder, out, known, version):
     listed += [page for page in known if page not in listed and str(page) not in ("README.md", "docs/README.md")]
     nav = ""
     for page in listed:
-        if pathlib.Path(f"{page.parent}.md") in listed: # docs/numerics/… stand below docs/numerics.md
+        if pathlib.Path(f"{page.parent}.md") in listed: # docs/verify/numerics/… stand below docs/verify/numerics.md
             continue
         parts = [other for other in listed if other.parent == page.with_suffix("")]
         nav += f"  - {titles[page]!r}: {page}\n" if not parts else f"  - {titles[page]!r}:\n" + "".join(

@@ -1,4 +1,5 @@
-// An attack on the programs: every case is a fault that the world may have in store. See docs/rooms.md.
+// An attack on the programs: every case is a fault that the world may have in store. See
+// docs/contribute/rooms.md.
 //
 // Exit status: 0, 1 (a case was silent or aborted), 2 (bad arguments, or no attack was possible).
 

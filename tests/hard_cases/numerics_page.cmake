@@ -1,4 +1,4 @@
-# Writes docs/numerics.md between its marks, and a page of tables per topic from what the hard cases measured.
+# Writes docs/verify/numerics.md between its marks, and a page of tables per topic from what the hard cases measured.
 #
 # cmake -DRECORDS=<records.jsonl> [-DRUNS=<file of a run;…>] [-DSAVE=<records to write>] -DPAGE=<page with both marks>
 #       -DTO=<page to write> -DTABLES=<folder of the tables to write> [-DCHECK=ON] -P numerics_page.cmake

@@ -2,8 +2,8 @@
 
 // Each hard case compares the library with the exact result and with a naive implementation, and checks that
 // the library's error is within its bound. If TACTNET_HARD_CASES=FILE is in the environment, each case
-// appends a line of JSON to that file; numerics_page.cmake makes docs/numerics.md and docs/numerics/ from
-// such files.
+// appends a line of JSON to that file; numerics_page.cmake makes docs/verify/numerics.md and
+// docs/verify/numerics/ from such files.
 
 #include <span>
 #include <string_view>

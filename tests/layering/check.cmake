@@ -161,7 +161,7 @@ foreach(header IN LISTS headers)
 endforeach()
 
 if(problems)
-    message(FATAL_ERROR "The arrows between the rooms point one way (see docs/rooms.md):\n${problems}")
+    message(FATAL_ERROR "The arrows between the rooms point one way (see docs/contribute/rooms.md):\n${problems}")
 endif()
 list(LENGTH headers count)
 message("${count} headers, every include points the right way")

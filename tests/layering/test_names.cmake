@@ -81,7 +81,7 @@ foreach(test IN LISTS tests)
 endforeach()
 
 if(problems)
-    message(FATAL_ERROR "What tests are called (see docs/rooms.md):\n${problems}")
+    message(FATAL_ERROR "What tests are called (see docs/contribute/rooms.md):\n${problems}")
 endif()
 list(LENGTH tests count)
 message("${count} tests, each next to its header")

@@ -1,4 +1,4 @@
-% What docs/pytorch_and_matlab.md says of MATLAB, in GNU Octave: reads the file that PyTorch wrote, computes the logits of
+% What docs/train/pytorch_and_matlab.md says of MATLAB, in GNU Octave: reads the file that PyTorch wrote, computes the logits of
 % its self-test in MATLAB's order, writes the network again, and expects the same arrays.
 arrays = from_tactnet('from_pytorch.safetensors', [2 4 32]);
 

@@ -1,4 +1,4 @@
-# accuracy_and_time and latency. `study` and `inference` are the tables that scripts/pictures makes of docs/study/study.csv and
+# accuracy_and_time and latency. `study` and `inference` are the tables that scripts/pictures makes of docs/verify/study/study.csv and
 # of benchmarks/results, `processor` is what they were measured on, `best_of_paper` an accuracy in percent.
 load "style.gnuplot"
 

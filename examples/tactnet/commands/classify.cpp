@@ -34,10 +34,10 @@ int classify(const classify_options& o) {
 } // namespace
 
 command add_classify(CLI::App& program) {
-    auto* app =
-        program.add_subcommand("classify", "Recognise images: prints path,class_index,class_name,probability "
-                                           "per image (for a support vector machine "
-                                           "without probabilities, its decision value; see docs/program.md)");
+    auto* app = program.add_subcommand(
+        "classify", "Recognise images: prints path,class_index,class_name,probability "
+                    "per image (for a support vector machine "
+                    "without probabilities, its decision value; see docs/recognise/program.md)");
     auto o = std::make_shared<classify_options>();
     add_weight_options(*app, o->weights);
     app->add_option("IMAGE", o->images, "8-bit grey JPEG or PNG images")->required();

@@ -22,7 +22,7 @@ void check_pretrained(const method& what, const training_settings& settings) {
             "where "
             "torchvision and safetensors are: import torchvision; from safetensors.torch import save_file; "
             "save_file(torchvision.models.{6}(weights=\"IMAGENET1K_V1\").state_dict(), "
-            "\"{6}.safetensors\"); see docs/transfer.md",
+            "\"{6}.safetensors\"); see docs/train/transfer.md",
             what.name, file->network.title, file->array, static_cast<double>(file->bytes) * 1e-6,
             file->network.photograph.rows, file->network.photograph.columns, file->network.torchvision);
 }

@@ -9,8 +9,8 @@
 #include <limits>
 #include <span>
 
-// Scores from the literature that separate known from unknown objects, with one interface. docs/decision.md
-// compares them.
+// Scores from the literature that separate known from unknown objects, with one interface.
+// docs/recognise/decision.md compares them.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 

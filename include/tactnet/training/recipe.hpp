@@ -110,8 +110,8 @@ struct recipe {
     }
 
     /// The authors' training, with the settings of a network, for example tactnet4_training. They come from
-    /// the authors' programs, since the paper's text has none. docs/paper.md lists what differs (for example
-    /// which weights are kept).
+    /// the authors' programs, since the paper's text has none. docs/verify/paper.md lists what differs (for
+    /// example which weights are kept).
     [[nodiscard]] static recipe published(std::size_t rows, std::size_t columns,
                                           const published_training& own) {
         recipe r;

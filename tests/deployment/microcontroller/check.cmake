@@ -3,7 +3,7 @@
 # holds a heap or exceptions, if a self-test fails, or if the table on the page is another one.
 #
 # cmake -DCOMPILER=arm-none-eabi-g++ -DEMULATOR=qemu-system-arm -DINCLUDE=<this library> -DHEADERS=<of write_headers>
-#       -DFOLDER=<to build in> -DPAGE=docs/eight_bit.md [-DWRITE=ON] -P check.cmake
+#       -DFOLDER=<to build in> -DPAGE=docs/recognise/eight_bit.md [-DWRITE=ON] -P check.cmake
 #
 # With WRITE the table takes the place of the one on the page. Without an emulator only flash and static RAM are checked.
 cmake_minimum_required(VERSION 3.22)

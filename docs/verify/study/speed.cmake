@@ -1,11 +1,11 @@
 # Puts what benchmark_inference measured into the tables between the comments `<!-- speed NAME -->` and `<!-- speed NAME ends -->`
-# of docs/speed.md and docs/choosing.md. No figure is typed.
+# of docs/recognise/speed.md and docs/choosing.md. No figure is typed.
 #
-#   cmake -P docs/study/speed.cmake               writes the tables, from the newest results on each processor
-#   cmake -DCHECK=ON -P docs/study/speed.cmake    fails if they differ
+#   cmake -P docs/verify/study/speed.cmake               writes the tables, from the newest results on each processor
+#   cmake -DCHECK=ON -P docs/verify/study/speed.cmake    fails if they differ
 cmake_minimum_required(VERSION 3.22)
 if(NOT ROOT)
-    get_filename_component(ROOT "${CMAKE_CURRENT_LIST_DIR}/../.." ABSOLUTE)
+    get_filename_component(ROOT "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 endif()
 set(zen4 "${ROOT}/benchmarks/results/zen4/2026-11-24/inference.csv")
 set(zen5 "${ROOT}/benchmarks/results/zen5/2026-11-24/inference.csv")
@@ -61,7 +61,7 @@ foreach(
     string(APPEND libraries "| ${name} | ${value} |\n")
 endforeach()
 
-foreach(place IN ITEMS docs/speed.md:networks docs/choosing.md:libraries)
+foreach(place IN ITEMS docs/recognise/speed.md:networks docs/choosing.md:libraries)
     string(REPLACE ":" ";" place "${place}")
     list(GET place 0 page)
     list(GET place 1 name)
@@ -81,7 +81,7 @@ foreach(place IN ITEMS docs/speed.md:networks docs/choosing.md:libraries)
         continue()
     endif()
     if(CHECK)
-        message(FATAL_ERROR "speed.cmake: ${page}: the table '${name}' differs from the results; run docs/study/speed.cmake.")
+        message(FATAL_ERROR "speed.cmake: ${page}: the table '${name}' differs from the results; run docs/verify/study/speed.cmake.")
     endif()
     string(SUBSTRING "${text}" 0 ${first} before)
     string(SUBSTRING "${text}" ${last} -1 after)

@@ -1,18 +1,18 @@
-# Puts the results of `tactnet study` into the documentation: its tables into docs/study, its picture into docs/pictures, and the
-# tables between the comments of docs/choosing.md and docs/results.md that name them. Tables that are not in study.md are rows and
+# Puts the results of `tactnet study` into the documentation: its tables into docs/verify/study, its picture into docs/pictures, and the
+# tables between the comments of docs/choosing.md and docs/verify/results.md that name them. Tables that are not in study.md are rows and
 # columns of its table of all methods. README.md quotes some figures: they are compared.
 #
-#   cmake -DRESULTS=folder -DARCHIVE=file -P docs/study/tables.cmake   takes over a folder of results; all rows, trainings
+#   cmake -DRESULTS=folder -DARCHIVE=file -P docs/verify/study/tables.cmake   takes over a folder of results; all rows, trainings
 #                                   and timings go into the archive, such as benchmarks/results/zen5/2026-11-24/study.tar.xz
-#   cmake -P docs/study/tables.cmake                                   writes the tables into the pages again
-#   cmake -DCHECK=ON -P docs/study/tables.cmake                        fails if pages and docs/study differ
+#   cmake -P docs/verify/study/tables.cmake                                   writes the tables into the pages again
+#   cmake -DCHECK=ON -P docs/verify/study/tables.cmake                        fails if pages and docs/verify/study differ
 #   cmake -DCHECK=ON -DROOT=folder -P …                                the same for another copy of the project
 
 cmake_minimum_required(VERSION 3.22)
 if(NOT ROOT)
-    get_filename_component(ROOT "${CMAKE_CURRENT_LIST_DIR}/../.." ABSOLUTE)
+    get_filename_component(ROOT "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 endif()
-set(kept "${ROOT}/docs/study")
+set(kept "${ROOT}/docs/verify/study")
 if(RESULTS OR ARCHIVE)
     if(NOT EXISTS "${RESULTS}/study.md" OR NOT ARCHIVE)
         message(FATAL_ERROR "tables.cmake: expected RESULTS, a folder in which tactnet study wrote study.md, and ARCHIVE, "
@@ -118,7 +118,7 @@ function(table name result)
     set(${result} "<!-- study ${name} -->\n${head}\n${rule}\n${rows}<!-- study ${name} ends -->" PARENT_SCOPE)
 endfunction()
 
-foreach(place IN ITEMS docs/choosing.md:front docs/results.md:best docs/results.md:compared docs/results.md:memory)
+foreach(place IN ITEMS docs/choosing.md:front docs/verify/results.md:best docs/verify/results.md:compared docs/verify/results.md:memory)
     string(REPLACE ":" ";" place "${place}")
     list(GET place 0 page)
     list(GET place 1 name)
@@ -128,8 +128,8 @@ foreach(place IN ITEMS docs/choosing.md:front docs/results.md:best docs/results.
         continue()
     endif()
     if(CHECK)
-        message(FATAL_ERROR "tables.cmake: ${page}: the table '${name}' differs from docs/study/study.md; "
-                            "run docs/study/tables.cmake.")
+        message(FATAL_ERROR "tables.cmake: ${page}: the table '${name}' differs from docs/verify/study/study.md; "
+                            "run docs/verify/study/tables.cmake.")
     endif()
     file(READ "${ROOT}/${page}" text)
     string(REPLACE "${old}" "${new}" text "${text}")
@@ -137,9 +137,9 @@ foreach(place IN ITEMS docs/choosing.md:front docs/results.md:best docs/results.
     message(STATUS "${page}: table '${name}'")
 endforeach()
 
-# README.md quotes the first and the last row of the front, and the microcontroller of docs/eight_bit.md.
+# README.md quotes the first and the last row of the front, and the microcontroller of docs/recognise/eight_bit.md.
 file(READ "${kept}/study.md" study)
-file(READ "${ROOT}/docs/eight_bit.md" eight_bit)
+file(READ "${ROOT}/docs/recognise/eight_bit.md" eight_bit)
 file(READ "${ROOT}/README.md" readme)
 # Each of the quotes, in which `<n>` is the n-th group of the pattern, must be in README.md.
 function(expect_in_readme text pattern)
