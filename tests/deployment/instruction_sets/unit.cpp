@@ -10,6 +10,7 @@
 #include <tactnet/quantisation/stream_calibration.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <support/layers/whole_reference.hpp>
@@ -136,9 +137,9 @@ void append_stream(reduced_result& result, std::uint64_t seed) {
     while (ranges.size() < 16)
         ranges.push_back({next(2, 6, 16) / 128, next(60, 200, 1)});
     const map_range words{1.0f / 4096, 0}, *observed = ranges.data();
-    words.write(folded.data());
-    plan::steps::fold(parameters.data(), folded.data() + map_range::numbers);
-    plan::steps::set_ranges(folded.data() + map_range::numbers, words, observed);
+    float* const of_steps = std::fill_n(folded.data(), stream_in_bytes::features, words.scale);
+    plan::steps::fold(parameters.data(), of_steps);
+    plan::steps::set_ranges(of_steps, words, observed);
 
     const stream_in_bytes stream{std::span<const float, plan::folded_elements>(folded)};
     typename stream_in_bytes::state memory;
