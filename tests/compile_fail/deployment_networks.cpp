@@ -118,11 +118,33 @@ using net = network<shape{8, 8, 2}, local_response_norm<>, conv2d<4, 3>, dense<2
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
 
+#ifdef CASE_eight_bit_local_response_norm_last
+// expect: in this number format a network must end in a convolution, a dense layer or an average pool
+// at-most: 3
+using net = network<shape{8, 8, 2}, conv2d<4, 3>, local_response_norm<>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_eight_bit_local_response_norm_of_negative_alpha
+// expect: local_response_norm: in 8 bits alpha must not be below zero
+// at-most: 2
+using other = local_response_norm<5, std::ratio<-1>>;
+using net = network<shape{8, 8, 2}, conv2d<4, 3>, other, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
 #ifdef CASE_eight_bit_local_response_norm_of_other_powers
 // expect: local_response_norm: in 8 bits beta must be 1/2, 3/4 or 1; exponent_of_roots shows it
 // at-most: 2
 using other = local_response_norm<5, std::ratio<1>, std::ratio<4, 5>>;
 using net = network<shape{8, 8, 2}, conv2d<4, 3>, other, dense<2>>;
+constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+#endif
+
+#ifdef CASE_eight_bit_local_response_norm_too_wide
+// expect: local_response_norm: in 8 bits a window holds at most 258 channels
+// at-most: 2
+using net = network<shape{8, 8, 2}, conv2d<4, 3>, local_response_norm<259>, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
 
