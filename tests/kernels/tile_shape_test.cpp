@@ -1,5 +1,5 @@
 #include <tactnet/kernels/frame/winograd_tiles.hpp>
-#include <tactnet/kernels/integer/winograd_tiles.hpp>
+#include <tactnet/kernels/integer/convolution/winograd_tiles.hpp>
 
 #include <doctest/doctest.h>
 

@@ -9,7 +9,7 @@
 #include <numeric>
 
 // The shapes of the tiles of Winograd convolutions, in floats (kernels/frame/winograd_tiles.hpp) and in
-// integers (kernels/integer/winograd_tiles.hpp).
+// integers (kernels/integer/convolution/winograd_tiles.hpp).
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 

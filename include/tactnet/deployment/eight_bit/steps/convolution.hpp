@@ -3,7 +3,7 @@
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/deployment/steps/convolution.hpp>
-#include <tactnet/kernels/integer/methods.hpp>
+#include <tactnet/kernels/integer/convolution/methods.hpp>
 
 #include <array>
 #include <cstddef>

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <tactnet/kernels/integer/dense.hpp>
-#include <tactnet/kernels/integer/depthwise.hpp>
-#include <tactnet/kernels/integer/direct.hpp>
-#include <tactnet/kernels/integer/scalar_depthwise.hpp>
-#include <tactnet/kernels/integer/winograd.hpp>
+#include <tactnet/kernels/integer/convolution/dense.hpp>
+#include <tactnet/kernels/integer/convolution/depthwise.hpp>
+#include <tactnet/kernels/integer/convolution/direct.hpp>
+#include <tactnet/kernels/integer/convolution/scalar_depthwise.hpp>
+#include <tactnet/kernels/integer/convolution/winograd.hpp>
 #include <tactnet/kernels/method_list.hpp>
 
 // The methods for a convolution of one frame in integers (method_list.hpp). All give the same exact sums. The

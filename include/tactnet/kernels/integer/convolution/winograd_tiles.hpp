@@ -3,7 +3,7 @@
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
-#include <tactnet/kernels/integer/tile_lines.hpp>
+#include <tactnet/kernels/integer/convolution/tile_lines.hpp>
 #include <tactnet/kernels/integer/word_products.hpp>
 #include <tactnet/kernels/tile_shape.hpp>
 

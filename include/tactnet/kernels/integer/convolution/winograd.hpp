@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/kernels/integer/byte_products.hpp>
+#include <tactnet/kernels/integer/convolution/winograd_tiles.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
-#include <tactnet/kernels/integer/winograd_tiles.hpp>
 #include <tactnet/kernels/simd/compiler_vector.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>

@@ -2,7 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
-#include <tactnet/kernels/integer/depthwise_layout.hpp>
+#include <tactnet/kernels/integer/convolution/depthwise_layout.hpp>
 #include <tactnet/kernels/integer/interleave.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
