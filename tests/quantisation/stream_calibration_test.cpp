@@ -44,7 +44,7 @@ TEST_CASE("stream_calibration: ranges are those of the sequences") {
         return map_range::read(&found.folded()[layout.steps[step].find(name)->offset]);
     };
     CHECK(found.folded()[1] == 5 * 4 / 32767.0F);
-    for (const std::size_t feature : {0, 2}) {
+    for (const std::size_t feature : {std::size_t{0}, std::size_t{2}}) {
         CHECK(found.folded()[feature] <= 2 * 4 / 32767.0F);
         CHECK(found.folded()[feature] > 1.9F * 4 / 32767.0F);
     }
