@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/stream.hpp>
+#include <tactnet/quantisation/stream_observer.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -41,7 +41,7 @@ public:
         require_finite(network.learnable_values().first(Network::parameters), "parameters");
         require_finite(sequences, "calibration sequences");
         detail::stream_observation found{input.rows};
-        require_finite(steps::observe(values, frames_of(sequences), found), "parameters and sequences");
+        require_finite(detail::stream_observer<steps>::run(values, frames_of(sequences), found), "parameters and sequences");
         require_finite({&found.out_of_range, 1}, "parameters and sequences");
 
         write_word_steps(sequences);

@@ -20,7 +20,7 @@ struct ordered_product {
     static constexpr std::size_t packed_elements = padded_rows * (Inputs + 1);
 
     /// Packs weight(row, input) and bias(row). Padding rows are zero.
-    static void pack(const auto& weight, const auto& bias, float* packed) {
+    static constexpr void pack(const auto& weight, const auto& bias, float* packed) {
         for (std::size_t row = 0; row < padded_rows; ++row)
             packed[row] = row < Rows ? bias(row) : 0.0F;
         const auto tap = [&](std::size_t row, std::size_t input, std::size_t, std::size_t) {

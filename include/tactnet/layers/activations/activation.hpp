@@ -10,20 +10,6 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-namespace detail {
-
-/// out[i] = operation(in[i]…) for whole vectors, in vectors if the function takes these.
-template <class Function, class T>
-void transform(auto&& operation, std::size_t count, T* out, const std::same_as<T> auto*... in) {
-    if constexpr (takes_vectors<Function> && std::same_as<T, float>)
-        kernels::transform_vectors(operation, count, out, in...);
-    else
-        for (std::size_t i = 0; i < count; ++i)
-            out[i] = operation(in[i]...);
-}
-
-} // namespace detail
-
 /// The elementwise layer of an activation function, in place unless its gradient needs the input.
 /// `activation_function.hpp` shows how to write one.
 template <activation_function Function>

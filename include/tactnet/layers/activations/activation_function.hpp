@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/elementwise.hpp>
 #include <tactnet/kernels/fused_activation.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
@@ -138,6 +139,16 @@ template <class Function>
 template <class Function>
 [[nodiscard]] double activation_bound(double input) {
     return std::max({input, std::abs(Function::value(input)), std::abs(Function::value(-input))});
+}
+
+/// out[i] = operation(in[i]…) for whole vectors, in vectors if the function takes these.
+template <class Function, class T>
+void transform(auto&& operation, std::size_t count, T* out, const std::same_as<T> auto*... in) {
+    if constexpr (takes_vectors<Function> && std::same_as<T, float>)
+        kernels::transform_vectors(operation, count, out, in...);
+    else
+        for (std::size_t i = 0; i < count; ++i)
+            out[i] = operation(in[i]...);
 }
 
 template <class Function>

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/streaming/stream_step.hpp>
-#include <tactnet/layers/time/causal_conv1d.hpp>
+#include <tactnet/deployment/eight_bit/streaming/frame_step.hpp>
 
 #include <algorithm>
 #include <array>
@@ -11,19 +10,32 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// Causal convolutions, with a ReLU or without. They remember the frames that they look back to.
-template <class Spec, bool Rectified, shape Input, class In, class Out>
-struct causal_convolution_step
-    : detail::frame_stream_step<
-          detail::frames_product<In, Out, Spec::taps, Input.channels, Spec::filters, Rectified>,
-          std::conditional_t<Rectified, stream_step<detail::rectified<Spec>, Input>,
-                             stream_step<Spec, Input>>,
-          Input.channels, Out, std::is_same_v<Out, std::uint8_t>> {
+namespace detail {
+
+/// The product of a causal convolution with the frames that it looks back to.
+template <class In, class Out, std::size_t Features, std::size_t Filters, std::size_t Taps,
+          std::size_t Dilation, bool Rectified>
+using causal_product_step =
+    frame_stream_step<eight_bit_between<In, Out>,
+                      causal_stream_step<single_precision, Features, Filters, Taps, Dilation, Rectified>, Out,
+                      frames_product<In, Out, Taps, Features, Filters, Rectified>,
+                      std::is_same_v<Out, std::uint8_t>>;
+
+} // namespace detail
+
+/// A dense layer.
+template <class In, class Out, std::size_t Features, std::size_t Filters, bool Rectified>
+struct causal_stream_step<eight_bit_between<In, Out>, Features, Filters, 1, 1, Rectified>
+    : detail::causal_product_step<In, Out, Features, Filters, 1, 1, Rectified> {};
+
+template <class In, class Out, std::size_t Features, std::size_t Filters, std::size_t Taps,
+          std::size_t Dilation, bool Rectified>
+struct causal_stream_step<eight_bit_between<In, Out>, Features, Filters, Taps, Dilation, Rectified>
+    : detail::causal_product_step<In, Out, Features, Filters, Taps, Dilation, Rectified> {
 private:
-    using product = detail::frames_product<In, Out, Spec::taps, Input.channels, Spec::filters, Rectified>;
-    static constexpr std::size_t features = Input.channels, frames = Spec::frames_before,
-                                 stride = detail::frame_stride(features);
-    static_assert(Spec::dilation > 0);
+    using product = detail::frames_product<In, Out, Taps, Features, Filters, Rectified>;
+    static constexpr std::size_t frames = (Taps - 1) * Dilation, stride = detail::frame_stride(Features);
+    static_assert(Dilation > 0);
 
 public:
     // The product's, then the zero of its input.
@@ -33,11 +45,11 @@ public:
     /// The numbers of the frames before the present one less the zero of their range, in a ring; `next` is
     /// the oldest.
     struct state {
-        std::array<In, frames * features> elements{};
+        std::array<In, frames * Features> elements{};
         std::uint32_t next = 0;
     };
 
-    static void pack(const float* folded, std::int8_t* packed) {
+    static constexpr void pack(const float* folded, std::int8_t* packed) {
         product::pack(folded, packed);
         detail::store_byte(packed + product::packed_elements,
                            static_cast<double>(product::arrays.read_ranges(folded).input.zero_point));
@@ -45,32 +57,24 @@ public:
     static void run(const std::int8_t* packed, const std::uint8_t* in, state& s, std::uint8_t* out,
                     std::uint8_t* memory) noexcept {
         const int zero = detail::load_byte(packed + product::packed_elements);
-        alignas(vector_alignment) std::array<In, pad_to_cache_line<In>(Spec::taps * stride)> inputs{};
-        for (std::size_t tap = 0; tap + 1 < Spec::taps; ++tap) {
+        alignas(vector_alignment) std::array<In, pad_to_cache_line<In>(Taps * stride)> inputs{};
+        for (std::size_t tap = 0; tap + 1 < Taps; ++tap) {
             // The frame (taps − 1 − tap) · dilation before the present one is this far after the oldest.
-            std::size_t frame = s.next + tap * Spec::dilation;
+            std::size_t frame = s.next + tap * Dilation;
             if (frame >= frames)
                 frame -= frames;
-            for (std::size_t f = 0; f < features; ++f)
-                inputs[tap * stride + f] = static_cast<In>(s.elements[frame * features + f] + zero);
+            for (std::size_t f = 0; f < Features; ++f)
+                inputs[tap * stride + f] = static_cast<In>(s.elements[frame * Features + f] + zero);
         }
         const auto* const present = reinterpret_cast<const In*>(in);
-        std::copy_n(present, features, inputs.data() + (Spec::taps - 1) * stride);
+        std::copy_n(present, Features, inputs.data() + (Taps - 1) * stride);
         if constexpr (frames > 0) {
-            for (std::size_t f = 0; f < features; ++f)
-                s.elements[s.next * features + f] = static_cast<In>(present[f] - zero);
+            for (std::size_t f = 0; f < Features; ++f)
+                s.elements[s.next * Features + f] = static_cast<In>(present[f] - zero);
             s.next = s.next + 1 == frames ? 0 : s.next + 1;
         }
         product::run(packed, reinterpret_cast<const std::uint8_t*>(inputs.data()), out, memory);
     }
 };
-
-template <std::size_t Filters, std::size_t Taps, std::size_t Dilation, shape Input, class In, class Out>
-struct stream_step<causal_conv1d<Filters, Taps, Dilation>, Input, eight_bit_between<In, Out>>
-    : causal_convolution_step<causal_conv1d<Filters, Taps, Dilation>, false, Input, In, Out> {};
-template <std::size_t Filters, std::size_t Taps, std::size_t Dilation, shape Input, class In, class Out>
-struct stream_step<detail::rectified<causal_conv1d<Filters, Taps, Dilation>>, Input,
-                   eight_bit_between<In, Out>>
-    : causal_convolution_step<causal_conv1d<Filters, Taps, Dilation>, true, Input, In, Out> {};
 
 }} // namespace tactnet

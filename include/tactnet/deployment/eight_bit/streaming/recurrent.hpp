@@ -1,17 +1,15 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/streaming/stream_step.hpp>
+#include <tactnet/deployment/eight_bit/streaming/frame_step.hpp>
 #include <tactnet/kernels/integer/recurrent.hpp>
-#include <tactnet/layers/time/gru.hpp>
-#include <tactnet/layers/time/lstm.hpp>
+#include <tactnet/layers/time/cells/gru_cell.hpp>
+#include <tactnet/layers/time/cells/lstm_cell.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <type_traits>
-#include <vector>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
@@ -28,22 +26,21 @@ struct word_cell<lstm_cell> : kernels::word_lstm_cell {};
 } // namespace detail
 
 /// Recurrent layers: two products and the cells. States have 16 bits; their bytes have a range of their own.
-template <class Cell, std::size_t Hidden, shape Input, class In, class Out>
-    requires requires {
-        sizeof(detail::word_cell<Cell>);
-    }
-struct stream_step<recurrent<Cell, Hidden>, Input, eight_bit_between<In, Out>> {
+template <class In, class Out, class Cell, std::size_t Features, std::size_t Hidden>
+struct recurrent_stream_step<eight_bit_between<In, Out>, Cell, Features, Hidden>
+    : detail::byte_stream_step<eight_bit_between<In, Out>, Out,
+                               recurrent_stream_step<single_precision, Cell, Features, Hidden>> {
 private:
-    using spec = recurrent<Cell, Hidden>;
-    using layer = typename spec::template layer<float, Input>;
     using cells = kernels::word_cells<detail::word_cell<Cell>, Hidden>;
-    using input_product = detail::frames_product<In, float, 1, Input.channels, spec::rows>;
-    using hidden_product = detail::frames_product<std::uint8_t, float, 1, Hidden, spec::rows>;
+    static constexpr std::size_t rows = Cell::gates * Hidden;
+    using input_product = detail::frames_product<In, float, 1, Features, rows>;
+    using hidden_product = detail::frames_product<std::uint8_t, float, 1, Hidden, rows>;
     static constexpr std::size_t room = // floats
         pad_to_cache_line(std::max(cells::sums, input_product::output_stride));
 
 public:
-    using output_number = Out;
+    using exact = recurrent_stream_step<single_precision, Cell, Features, Hidden>;
+    static constexpr bool observes_output = false; // states have a range of their own
     static constexpr std::size_t folded_elements =
                                      input_product::folded_elements + hidden_product::folded_elements,
                                  packed_elements =
@@ -59,23 +56,25 @@ public:
         std::array<std::int16_t, detail::word_cell<Cell>::states * cells::units> elements{};
     };
 
+    /// From both matrices, then both biases.
     static void fold(const float* values, float* folded) {
+        constexpr std::size_t input_weights = input_product::weights, hidden_weights = hidden_product::weights;
         float* const hidden = folded + input_product::folded_elements;
-        std::copy_n(values, input_product::weights, folded);
-        std::copy_n(values + layer::input_biases, spec::rows, folded + input_product::weights);
-        std::copy_n(values + layer::hidden_weights, hidden_product::weights, hidden);
-        std::copy_n(values + layer::hidden_biases, spec::rows, hidden + hidden_product::weights);
+        std::copy_n(values, input_weights, folded);
+        std::copy_n(values += input_weights, hidden_weights, hidden);
+        std::copy_n(values += hidden_weights, rows, folded + input_weights);
+        std::copy_n(values + rows, rows, hidden + hidden_weights);
     }
     static map_range set_ranges(float* folded, const map_range& input, const map_range*&) {
         input_product::set_ranges(folded, {input, {}, {}});
         hidden_product::set_ranges(folded + input_product::folded_elements, {hidden_range, {}, {}});
         return hidden_range;
     }
-    static void append_arrays(folded_layout& to, const std::string& name) {
-        detail::append_step(to, name + ".frame", input_product::arrays, input_product::largest_input);
-        detail::append_step(to, name + ".state", hidden_product::arrays, hidden_product::largest_input);
+    static void visit_arrays(auto&& to) {
+        to("frame", input_product::arrays, input_product::largest_input);
+        to("state", hidden_product::arrays, hidden_product::largest_input);
     }
-    static void pack(const float* folded, std::int8_t* packed) {
+    static constexpr void pack(const float* folded, std::int8_t* packed) {
         input_product::pack(folded, packed);
         hidden_product::pack(folded + input_product::folded_elements,
                              packed + input_product::packed_elements);
@@ -103,10 +102,6 @@ public:
         } else {
             std::copy_n(hidden.data(), Hidden, out);
         }
-    }
-    static std::vector<float> observe(const float* values, const std::vector<float>& in,
-                                      detail::stream_observation& found) {
-        return found.run<stream_step<spec, Input>, Input.channels, Hidden>(values, in);
     }
 };
 
