@@ -58,6 +58,12 @@ using net = network<shape{20, 1, 3}, gru<8>, last_frame, dense<3>>;
 const auto made = deploy(net{});
 #endif
 
+#ifdef CASE_stream_looks_back_after_the_last_frame
+// expect: deploy_stream: after last_frame, layers have one frame of each sequence: gru, lstm and causal_conv1d of several taps must come before it
+using net = network<shape{20, 1, 3}, gru<8>, last_frame, sequence<dense<4>, gru<4>>, dense<2>>;
+constexpr std::size_t bytes = deployed_stream<net>::weight_bytes;
+#endif
+
 #ifdef CASE_stream_of_all_frames
 // expect: deploy_stream: this layer does not run frame by frame; runs_in_streams shows it and its input
 // expect: dense<3

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -70,8 +71,15 @@ private:
             float& of_feature = largest[i % input.size() / input.rows];
             of_feature = std::max(of_feature, std::abs(sequences[i]));
         }
+        // A feature that is always zero takes the least step: its weights, which nothing has trained, must not
+        // set the scales of filters.
+        float least = std::numeric_limits<float>::max();
+        for (const float of_feature : largest)
+            least = of_feature > 0 ? std::min(least, of_feature) : least;
+        if (least == std::numeric_limits<float>::max())
+            least = 1;
         for (std::size_t f = 0; f < input.channels; ++f)
-            folded_[f] = largest[f] > 0 ? std::clamp(largest[f] * headroom / 32767, 1e-30F, 1e30F) : 1;
+            folded_[f] = std::clamp((largest[f] > 0 ? largest[f] : least) * headroom / 32767, 1e-30F, 1e30F);
     }
     /// Parameters for features in steps of their words: weights of the first layer, [row][feature][tap] in
     /// every kind of layer that can be first, are multiplied by the step of their feature.

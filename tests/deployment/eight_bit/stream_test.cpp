@@ -135,6 +135,30 @@ TEST_CASE_TEMPLATE("deployed_stream: in 8 bits, features of unequal size are as 
                         outputs_of(stream, recording_of<net>(all, s))));
 }
 
+TEST_CASE_TEMPLATE("deployed_stream: in 8 bits, a feature that calibration never saw costs nothing", First,
+                   gru<16>, causal_conv1d<16, 3>) {
+    using net = network<shape{20, 1, 3}, First, gru<8>, last_frame, dense<3>>;
+    const auto network = drawn_network<net>();
+    std::vector<float> all = samples<net>(16);
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (i % 60 / 20 == 1)
+            all[i] = 0;
+    const auto exact = deploy_stream(network);
+    const auto stream = deploy_stream<eight_bit>(network, all);
+    CHECK(stream.folded()[1] == std::min(stream.folded()[0], stream.folded()[2]));
+    double squares = 0, errors = 0;
+    for (std::size_t s = 0; s < 16; ++s) {
+        const auto recording = recording_of<net>(all, s);
+        const std::vector<float> expected = outputs_of(exact, recording),
+                                 found = outputs_of(stream, recording);
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            squares += std::pow(static_cast<double>(expected[i]), 2);
+            errors += std::pow(static_cast<double>(expected[i] - found[i]), 2);
+        }
+    }
+    CHECK(std::sqrt(errors / squares) < 0.015);
+}
+
 TEST_CASE("deployed_stream: in 8 bits, an error does not grow with the length of a recording") {
     using net = network<shape{2000, 1, 2}, gru<16>, lstm<8>, causal_conv1d<3, 1>>;
     const auto network = drawn_network<net>(5);

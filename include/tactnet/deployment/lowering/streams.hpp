@@ -39,6 +39,25 @@ template <class... Specs>
 inline constexpr bool changes_nothing_in_streams<sequence<Specs...>> =
     (changes_nothing_in_streams<without_name<Specs>> && ...);
 
+/// Whether a layer looks back to frames before the present one.
+template <class Spec>
+inline constexpr bool remembers_frames = false;
+template <class Cell, std::size_t Hidden>
+inline constexpr bool remembers_frames<recurrent<Cell, Hidden>> = true;
+template <std::size_t Filters, std::size_t Taps, std::size_t Dilation>
+inline constexpr bool remembers_frames<causal_conv1d<Filters, Taps, Dilation>> = Taps > 1;
+template <class Main, class Skip>
+inline constexpr bool remembers_frames<residual<Main, Skip>> =
+    remembers_frames<as_sequence<Main>> || remembers_frames<as_sequence<Skip>>;
+template <class... Specs>
+inline constexpr bool remembers_frames<sequence<Specs...>> = (remembers_frames<without_name<Specs>> || ...);
+
+/// Whether a layer is `last_frame`, or a list with it.
+template <class Spec>
+inline constexpr bool takes_last_frame = std::is_same_v<Spec, last_frame>;
+template <class... Specs>
+inline constexpr bool takes_last_frame<sequence<Specs...>> = (takes_last_frame<without_name<Specs>> || ...);
+
 /// A layer with the ReLU after it, in one step, in formats where this saves something.
 template <class Spec>
 struct rectified {
@@ -109,6 +128,14 @@ template <class Spec, shape Input, class Format>
 struct checked_stream_step<Spec, Input, Format> : stream_lowering<Spec, Input, Format> {
 };
 
+/// Rejects a list with memory after the last frame of a sequence: a stream has no end.
+template <class Spec, class... Rest>
+struct checked_stream_order {
+    static_assert(!(takes_last_frame<Spec> && (remembers_frames<Rest> || ...)),
+                  "deploy_stream: after last_frame, layers have one frame of each sequence: gru, lstm and "
+                  "causal_conv1d of several taps must come before it");
+};
+
 /// The steps of a list, after those of the layers before. An empty list is the identity.
 template <class Format, shape Input, class Before, class... Specs>
 struct stream_list;
@@ -124,7 +151,8 @@ struct stream_list<Format, Input, stream_chain<Before...>> {
 template <class Format, shape Input, class Before, class Spec, class... Rest>
 struct stream_list_from;
 template <class Format, shape Input, class... Before, class Spec, class... Rest>
-struct stream_list_from<Format, Input, stream_chain<Before...>, Spec, Rest...> {
+struct stream_list_from<Format, Input, stream_chain<Before...>, Spec, Rest...>
+    : checked_stream_order<Spec, Rest...> {
     static constexpr bool last = (changes_nothing_in_streams<Rest> && ...);
     using here = typename checked_stream_step<Spec, Input,
                                               typename format_of_stream_step<Format, last>::type>::step;
@@ -138,7 +166,7 @@ struct stream_list<Format, Input, Before, Spec, Rest...>
 template <class Format, shape Input, class Before, class Spec, class... Rest>
     requires(changes_nothing_in_streams<Spec>)
 struct stream_list<Format, Input, Before, Spec, Rest...>
-    : stream_list<Format, Spec::costs(Input).output, Before, Rest...> {};
+    : stream_list<Format, Spec::costs(Input).output, Before, Rest...>, checked_stream_order<Spec, Rest...> {};
 template <class Format, shape Input, class Before, class Spec, class Function, class... Rest>
     requires(is_relu<Function>() && runs_in_streams<rectified<Spec>, Input, Format>)
 struct stream_list<Format, Input, Before, Spec, activation<Function>, Rest...>

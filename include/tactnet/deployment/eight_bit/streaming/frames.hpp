@@ -18,8 +18,8 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// Rounds features to words of 16 bits, each with a step of its own: its folded numbers. Finite features
 /// beyond the words saturate.
-template <class Out, std::size_t Features>
-struct stream_input<eight_bit_between<std::int16_t, Out>, Features> {
+template <class In, class Out, std::size_t Features>
+struct stream_input<eight_bit_between<In, Out>, Features> {
     static constexpr std::size_t folded_elements = Features,
                                  packed_elements = pad_to_cache_line<std::int8_t>(4 * Features),
                                  map_elements = pad_to_cache_line<std::uint8_t>(2 * Features);
@@ -56,9 +56,9 @@ struct stream_output<eight_bit_between<In, Out>, float, Outputs> {
         std::copy_n(reinterpret_cast<const float*>(out), Outputs, to.data());
     }
 };
-/// Outputs of a last step that writes bytes. The folded numbers are their range.
-template <class In, class Out, std::size_t Outputs>
-struct stream_output<eight_bit_between<In, Out>, std::uint8_t, Outputs> {
+/// Outputs of a last step that writes whole numbers, bytes. The folded numbers are their range.
+template <class In, class Out, class Number, std::size_t Outputs>
+struct stream_output<eight_bit_between<In, Out>, Number, Outputs> {
     static constexpr std::size_t folded_elements = map_range::numbers,
                                  packed_elements = pad_to_cache_line<std::int8_t>(sizeof(map_range));
 
@@ -69,8 +69,9 @@ struct stream_output<eight_bit_between<In, Out>, std::uint8_t, Outputs> {
     static void write(const std::int8_t* packed, const std::uint8_t* out,
                       std::span<float, Outputs> to) noexcept {
         const auto range = kernels::load_bytes_as<map_range>(packed);
+        const auto* const numbers = reinterpret_cast<const Number*>(out);
         for (std::size_t o = 0; o < Outputs; ++o)
-            to[o] = (static_cast<float>(out[o]) - range.zero_point) * range.scale;
+            to[o] = (static_cast<float>(numbers[o]) - range.zero_point) * range.scale;
     }
 };
 
