@@ -7,7 +7,10 @@
 
 #include "large.hpp" // compiled only: it is not for a stack
 #include "mixed.hpp"
+#include "recorded.hpp"
+#include "recorded_in_bytes.hpp"
 #include "small.hpp"
+#include "tagging.hpp"
 
 #include <array>
 #include <linux/seccomp.h>
@@ -21,12 +24,8 @@
 
 namespace {
 
-template <class Recogniser, class Frame, class Outputs>
-bool right(const Recogniser& recogniser, const Frame& frame, const Outputs& expected) {
-    Outputs found{};
-    if (recogniser.infer(tactnet::tensor_view<const std::uint8_t, Recogniser::input_shape>(frame), found) !=
-        tactnet::frame_status::ok)
-        return false;
+template <class Outputs>
+bool right(const Outputs& found, const Outputs& expected) {
     float largest = 0, error = 0;
     bool same = true;
     for (std::size_t i = 0; i < found.size(); ++i) {
@@ -40,6 +39,25 @@ bool right(const Recogniser& recogniser, const Frame& frame, const Outputs& expe
 #else
     return error <= 1e-5f * largest;
 #endif
+}
+
+template <class Recogniser, class Frame, class Outputs>
+bool infers(const Recogniser& recogniser, const Frame& frame, const Outputs& expected) {
+    Outputs found{};
+    return recogniser.infer(tactnet::tensor_view<const std::uint8_t, Recogniser::input_shape>(frame),
+                            found) == tactnet::frame_status::ok &&
+           right(found, expected);
+}
+template <class Recogniser, class Recording, class Outputs>
+bool follows(const Recogniser& recogniser, const Recording& recording, const Outputs& expected) {
+    std::array<float, sizeof(recording) / sizeof(float) / Recogniser::features * Recogniser::outputs> all{};
+    typename Recogniser::state state;
+    if (recogniser.run(recording, state, all) * Recogniser::outputs != all.size())
+        return false;
+    Outputs last{};
+    for (std::size_t i = 0; i < last.size(); ++i)
+        last[i] = all[all.size() - last.size() + i];
+    return right(last, expected);
 }
 
 /// exit() would ask for a system call that is no longer there.
@@ -64,11 +82,22 @@ int main() {
 #endif
     }
     namespace small = gripper::recognition;
-    if (!right(small::recogniser, small::selftest_frame, small::selftest_outputs) ||
+    if (!infers(small::recogniser, small::selftest_frame, small::selftest_outputs) ||
         !small::passes_selftest())
         leave(3);
-    if (!right(mixed::recogniser, mixed::selftest_frame, mixed::selftest_outputs) ||
+    if (!infers(mixed::recogniser, mixed::selftest_frame, mixed::selftest_outputs) ||
         !mixed::passes_selftest())
         leave(4);
+    if (!follows(recorded::recogniser, recorded::selftest_recording, recorded::selftest_outputs) ||
+        !recorded::passes_selftest())
+        leave(5);
+    // In 8 bits, the same bits everywhere.
+    namespace in_bytes = recorded_in_bytes;
+    if (!follows(in_bytes::recogniser, in_bytes::selftest_recording, in_bytes::selftest_outputs) ||
+        !in_bytes::passes_selftest())
+        leave(6);
+    if (!follows(tagging::recogniser, tagging::selftest_recording, tagging::selftest_outputs) ||
+        !tagging::passes_selftest())
+        leave(7);
     leave(0);
 }

@@ -62,22 +62,25 @@ std::string number_lines(std::span<const Number> numbers, std::string (*text_of)
     return lines + line + "\n";
 }
 
-/// Replaces every @name@ in a text by its value.
+/// Parts of a text, one after the other, with every @name@ replaced by its value.
 using replacement = std::pair<std::string_view, std::string>;
-inline std::string filled(std::string_view text, std::initializer_list<replacement> values) {
+inline std::string filled(std::initializer_list<std::string_view> parts,
+                          std::span<const replacement> values) {
     std::string result;
-    while (true) {
-        const std::size_t begin = text.find('@');
-        result += text.substr(0, begin);
-        if (begin == std::string_view::npos)
-            return result;
-        const std::size_t end = text.find('@', begin + 1);
-        const std::string_view name = text.substr(begin + 1, end - begin - 1);
-        for (const replacement& value : values)
-            if (value.first == name)
-                result += value.second;
-        text.remove_prefix(end + 1);
-    }
+    for (std::string_view text : parts)
+        while (true) {
+            const std::size_t begin = text.find('@');
+            result += text.substr(0, begin);
+            if (begin == std::string_view::npos)
+                break;
+            const std::size_t end = text.find('@', begin + 1);
+            const std::string_view name = text.substr(begin + 1, end - begin - 1);
+            for (const replacement& value : values)
+                if (value.first == name)
+                    result += value.second;
+            text.remove_prefix(end + 1);
+        }
+    return result;
 }
 
 }}} // namespace tactnet::detail

@@ -17,9 +17,9 @@
 #include <string>
 #include <type_traits>
 
-// Steps as C++ text, for headers that hold a deployed network. Each step gets one definition; later ones
-// refer to earlier ones, since the distance between pixels depends on the instruction set that a header is
-// compiled for.
+// Steps as C++ text, for headers that hold a deployed network or a stream. Each step gets one definition;
+// later ones refer to earlier ones, since the distance between pixels depends on the instruction set that a
+// header is compiled for.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 namespace detail {
@@ -142,6 +142,15 @@ template <activation_function Function>
         return Function::type;
 }
 
+/// The cell of a recurrent layer.
+template <class Cell>
+    requires requires {
+        Cell::gates;
+    }
+[[nodiscard]] std::string text_of(std::type_identity<Cell>) {
+    return Cell::type;
+}
+
 // Details of an argument for the title of its step, for people.
 [[nodiscard]] inline std::string size_of(const extent2d& e) {
     return std::to_string(e.rows) + " × " + std::to_string(e.columns);
@@ -177,7 +186,7 @@ class step_text {
 public:
     /// All definitions so far.
     [[nodiscard]] const std::string& definitions() const { return definitions_; }
-    /// The headers, in angle brackets, that declare what deployed_view.hpp does not.
+    /// The headers, in angle brackets, that declare what deployed_view.hpp or stream_view.hpp does not.
     [[nodiscard]] const std::set<std::string>& includes() const { return includes_; }
     /// Adds such a header, unless it is empty.
     void include(const std::string& header) {
@@ -198,7 +207,9 @@ public:
         spelling spelled(*this, input, stride);
         description::visit(spelled);
         if constexpr (requires { Step::output; })
-            return defined(spelled, input, Step::output);
+            return defined(spelled, detail::size_of(input), detail::size_of(Step::output));
+        else if constexpr (requires { Step::outputs; })
+            return defined(spelled, std::to_string(Step::features), std::to_string(Step::outputs));
         else
             return spelled.type; // what makes no map needs no name
     }
@@ -259,11 +270,11 @@ private:
 
         bool first_ = true;
     };
-    [[gnu::cold, gnu::noinline]] std::string defined(const spelling& spelled, const shape& input,
-                                                     const shape& output) {
+    [[gnu::cold, gnu::noinline]] std::string defined(const spelling& spelled, const std::string& from,
+                                                     const std::string& to) {
         std::string name = "step_" + std::to_string(++count_);
-        definitions_ += "// " + spelled.title + ": " + detail::size_of(input) + " → " +
-                        detail::size_of(output) + "\nusing " + name + " = " + spelled.type + ";\n";
+        definitions_ += "// " + spelled.title + ": " + from + " → " + to + "\nusing " + name + " = " +
+                        spelled.type + ";\n";
         return name;
     }
 

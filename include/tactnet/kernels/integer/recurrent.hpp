@@ -54,7 +54,7 @@ template <std::size_t Lanes>
     const integers t = x * log2_of_e;
     const integers u = (t >> (fraction_bits - bits)) & (one - 1);
     integers p = -1316 + integers{};
-    for (const std::int32_t coefficient : {7600, -22670, one})
+    for (const std::int32_t coefficient : {std::int32_t{7600}, std::int32_t{-22670}, one})
         p = (p * u + (coefficient * one + half)) >> bits;
     // Dividing a float by a power of two is a subtraction from its exponent.
     const float_vec<Lanes> power_of_fraction = __builtin_convertvector(p, float_vec<Lanes>);

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <tactnet/deployment/export/header_description.hpp>
+#include <tactnet/deployment/export/literals.hpp>
+#include <tactnet/deployment/export/step_text.hpp>
+
+#include <cstddef>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+// What the headers of networks and of streams have in common. Each @name@ is replaced (detail::filled).
+
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
+
+/// After the comment on top, which says @contents@ of what `folded` holds.
+inline constexpr std::string_view header_beginning =
+    R"(#pragma once
+
+#include <@view header@>
+@includes@
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+namespace @namespace@ {
+inline namespace TACTNET_ARCH {
+
+@steps@
+using recogniser_type = @type@;
+
+/// Names of the first outputs, in order. Further outputs are unused.
+inline constexpr std::array<std::string_view, @class count@> classes{
+@classes@};
+
+/// @contents@
+inline constexpr std::array<float, recogniser_type::folded_elements> folded{
+@numbers@};
+static_assert(folded.size() == @count@, "this header does not fit this version of tactnet");
+
+@packed@
+inline constexpr recogniser_type recogniser(packed@known@);
+
+)";
+
+/// Of a function that has computed `outputs` for a self-test.
+inline constexpr std::string_view header_end =
+    R"(    float largest = 0, difference = 0;
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+        const float expected = selftest_outputs[i], found = outputs[i] - expected;
+        largest = largest > expected ? largest : expected;
+        largest = largest > -expected ? largest : -expected;
+        difference = difference > found ? difference : found;
+        difference = difference > -found ? difference : -found;
+    }
+    return difference <= largest * 1e-4f;
+}
+
+} // namespace TACTNET_ARCH
+} // namespace @namespace@
+)";
+
+inline constexpr std::string_view packed_when_compiling =
+    R"(/// In the order of use, for the instruction set that this is compiled for.
+inline constexpr recogniser_type::packed_weights packed = recogniser_type::pack(folded);)";
+
+inline constexpr std::string_view packed_at_start =
+    R"(/// In the order of use, for the instruction set that this is compiled for. At the latest packed before main: not for
+/// use by what else happens then.
+inline const recogniser_type::packed_weights packed = recogniser_type::pack(folded);)";
+
+/// Throws std::invalid_argument if a header cannot have such names.
+[[gnu::cold, gnu::noinline]] inline void require_names(const header_description& description,
+                                                       std::size_t outputs) {
+    if (!is_namespace_name(description.namespace_name))
+        throw std::invalid_argument(
+            "deployed_header: expected a namespace such as gripper::tactile, found '" +
+            description.namespace_name + "'");
+    if (description.classes.size() > outputs)
+        throw std::invalid_argument("deployed_header: expected at most " + std::to_string(outputs) +
+                                    " class names, found " + std::to_string(description.classes.size()));
+}
+
+/// The values of the fields that all headers have, but for @type@, @view header@ and @contents@.
+[[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::vector<replacement>
+common_fields(const header_description& description, const step_text& steps, std::span<const float> folded) {
+    std::string includes, classes;
+    for (const std::string& header : steps.includes())
+        includes += "#include <" + header + ">\n";
+    for (const std::string& name : description.classes)
+        classes += "    " + string_literal(name) + ",\n";
+    const bool when_compiling =
+        description.when.value_or(usual_packing(folded.size())) == header_packing::when_compiling;
+    return {{"network", one_line(description.network)},
+            {"namespace", description.namespace_name},
+            {"includes", includes},
+            {"steps", steps.definitions()},
+            {"class count", std::to_string(description.classes.size())},
+            {"classes", classes},
+            {"numbers", number_lines<float>(folded, float_literal)},
+            {"count", std::to_string(folded.size())},
+            {"packed", std::string(when_compiling ? packed_when_compiling : packed_at_start)}};
+}
+
+}}} // namespace tactnet::detail
