@@ -174,6 +174,17 @@ foreach(processor IN ITEMS cortex-m7 cortex-m4)
         )
     endforeach()
 endforeach()
+# A GRU of 16 units for 3 features, frame by frame.
+foreach(form IN ITEMS stream stream_eight_bit)
+    build_firmware(of SOURCE stream PROCESSOR cortex-m7 LEVEL -Os FORM ${form})
+    math(EXPR ram "${of_static} + ${of_stack}")
+    message("Cortex-M7 -Os ${form}: flash ${of_flash} bytes, static RAM ${of_static}, stack ${of_stack}, "
+            "instructions of a frame ${of_instructions}")
+    if(of_flash GREATER 16000 OR ram GREATER 8000)
+        message(FATAL_ERROR "microcontroller: expected a stream in at most 16000 bytes of flash and 8000 of RAM, found "
+                            "${of_flash} and ${ram}.")
+    endif()
+endforeach()
 # All that decides in the control loop without a network, for 28 × 50 tactels.
 foreach(level IN ITEMS -Os -O2)
     build_firmware(of SOURCE decisions PROCESSOR cortex-m7 LEVEL ${level} FORM decisions_expected RAM 65536)

@@ -1,11 +1,14 @@
 // Writes TactNet-4 for 14 × 25 tactels as two headers, in single precision and in 8 bits. Its weights are
-// drawn: what a network takes of a microcontroller does not depend on what it has learnt. A third header
-// holds what decisions come to on this machine.
+// drawn: what a network takes of a microcontroller does not depend on what it has learnt. A third and a
+// fourth header hold a stream in both formats, a fifth what decisions come to on this machine.
 
 #include "decisions.hpp"
 
 #include <tactnet/deployment/export/deployed_header.hpp>
+#include <tactnet/deployment/export/stream_header.hpp>
 #include <tactnet/io/write_file.hpp>
+#include <tactnet/layers.hpp>
+#include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/quantisation.hpp>
 #include <tactnet/text/numbers.hpp>
@@ -23,8 +26,8 @@
 int main(int count, char** arguments) {
     using network = tactnet::tactnet4<tactnet::shape{14, 25}, 22>;
     constexpr std::size_t pixels = network::input_shape.size(), images = 20;
-    if (count != 4) {
-        std::fprintf(stderr, "write_headers: expected three headers to write\n");
+    if (count != 6) {
+        std::fprintf(stderr, "write_headers: expected five headers to write\n");
         return 2;
     }
     try {
@@ -51,8 +54,23 @@ int main(int count, char** arguments) {
             arguments[2],
             tactnet::deployed_header(
                 tactnet::deploy<tactnet::eight_bit>(model, std::span(std::as_const(touches))), says, frame));
-        const decisions::outcome found = std::make_unique<decisions::life>()->play();
+        // Squeezes of 50 frames with 3 features, as simulated ones have.
+        using sequences = tactnet::network<tactnet::shape{50, 1, 3}, tactnet::gru<16>, tactnet::last_frame,
+                                           tactnet::dense<3>>;
+        sequences squeezes;
+        tactnet::initialise(squeezes, tactnet::he_normal{}, 0);
+        std::vector<float> recording(2 * sequences::input_shape.size());
+        for (std::size_t i = 0; i < recording.size(); ++i)
+            recording[i] = static_cast<float>(i * i * 7 % 97) / 48 - 1;
+        const tactnet::header_description stream{
+            .network = "A GRU", .namespace_name = "gripper", .classes = {}, .when = says.when};
         tactnet::write_file(arguments[3],
+                            tactnet::deployed_header(tactnet::deploy_stream(squeezes), stream, recording));
+        tactnet::write_file(arguments[4], tactnet::deployed_header(
+                                              tactnet::deploy_stream<tactnet::eight_bit>(squeezes, recording),
+                                              stream, recording));
+        const decisions::outcome found = std::make_unique<decisions::life>()->play();
+        tactnet::write_file(arguments[5],
                             "inline constexpr decisions::outcome expected{" + std::to_string(found.checksum) +
                                 "u, " + std::to_string(found.label) + ", " + std::to_string(found.members) +
                                 ", " + tactnet::shortest_number(found.probability) + ", " +
