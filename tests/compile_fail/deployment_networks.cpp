@@ -131,14 +131,6 @@ using net = network<shape{8, 8, 2}, conv2d<4, 3>, local_response_norm<>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 #endif
 
-#ifdef CASE_eight_bit_local_response_norm_of_negative_alpha
-// expect: local_response_norm: in 8 bits alpha must not be below zero
-// at-most: 2
-using other = local_response_norm<5, std::ratio<-1>>;
-using net = network<shape{8, 8, 2}, conv2d<4, 3>, other, dense<2>>;
-constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
-#endif
-
 #ifdef CASE_eight_bit_local_response_norm_of_other_powers
 // expect: local_response_norm: in 8 bits beta must be 1/2, 3/4 or 1; exponent_of_roots shows it
 // at-most: 2

@@ -44,7 +44,7 @@ constexpr auto parameters = network<shape{7, 13, 1}, conv2d<8, 3, 0>, dense<3>>:
 #endif
 
 #ifdef CASE_causal_conv1d_no_taps
-// expect: sequence: a layer must have at least one output and one tap
+// expect: sequence: a layer must have at least one output, one tap and a dilation of one
 constexpr auto parameters = network<shape{20, 1, 3}, causal_conv1d<8, 0>>::parameters;
 #endif
 
@@ -144,6 +144,11 @@ constexpr auto parameters = network<shape{7, 13}, dense<4>, instance_norm>::para
 #ifdef CASE_layer_norm_of_one_channel
 // expect: group_norm, instance_norm, layer_norm: a single value has no variance: there must be two or more to normalise together
 constexpr auto parameters = network<shape{7, 13}, layer_norm<norm_over::channels>>::parameters;
+#endif
+
+#ifdef CASE_local_response_norm_of_negative_alpha
+// expect: local_response_norm: alpha and beta must not be below zero
+constexpr auto parameters = network<shape{8, 8, 2}, local_response_norm<5, std::ratio<-1>>>::parameters;
 #endif
 
 #ifdef CASE_max_pool_padding_too_large

@@ -58,7 +58,7 @@ enum class folded_kind {
     weights,          ///< signed bytes times the scale of their filter; the first extent counts the filters
     numbers,          ///< plain numbers
     positive_numbers, ///< numbers above zero
-    scales,           ///< the step of the weights of each filter
+    scales,           ///< the step of the weights of each filter, or of the words of each feature
     range             ///< scale and zero point of a map: map_range
 };
 /// An array of the folded numbers of a step. The array of a range has the name of a map: input, added,

@@ -29,8 +29,8 @@ struct phase_place : Place {
 
 } // namespace detail
 
-/// A dilated convolution with the batch norm and the activation function after it: its phases side by side,
-/// one convolution without dilation, its outputs in their places.
+/// A dilated convolution with the batch norm and the activation function after it: its phases in one
+/// map (kernels/dilated_axis.hpp), one convolution without dilation, its outputs in their places.
 template <class Place, class Convolution = lowered_convolution<detail::phase_place<Place>>>
 struct lowered_dilated_convolution {
     using layer = typename Place::layer;

@@ -26,9 +26,8 @@
 // lowered layer that includes the next one, or not_fused. For that, a layer describes itself in terms that
 // every lowered layer may understand:
 //   rectifies = true      max(x, 0), for norms
-//   activation            a pointer to a kernels::fused_activation, for convolutions:
-//   `tactnet::fused<Function>`.
-//                         A ReLU has both members
+//   activation            for convolutions: tactnet::fused<Function>, a kernels::fused_activation. A ReLU
+//                         has both members
 //   channels<Place>       x · factor(channel) + offset: a batch norm; constructible from a parameter_source
 //   maximum<Place>        the sliding_window whose maximum it takes
 // A lowered layer may have further members:

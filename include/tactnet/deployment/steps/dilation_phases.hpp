@@ -8,8 +8,8 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// The start of a dilated convolution: puts the pixels of each phase side by side, with zeros between
-/// them (kernels/dilated_axis.hpp).
+/// The start of a dilated convolution: puts the pixels of each phase together in one map, with zeros
+/// between the phases (kernels/dilated_axis.hpp).
 template <class Format, sliding_window Window, extent2d Dilation, extent2d Outputs, std::size_t InputStride>
 struct phase_splitting_step;
 template <class Format, sliding_window Window, extent2d Dilation, extent2d Outputs, std::size_t InputStride>

@@ -60,7 +60,7 @@ struct gate_step : step_defaults {
         Branch::pack(from, to);
         Product::pack(from + Branch::folded_elements, to + Branch::packed_elements);
     }
-    /// Of the maps in the branch, and of the product.
+    /// The larger of the bounds of the branch and of the product.
     static double output_bound(const float* from, double input) {
         const double branch = Branch::output_bound(from, input);
         return std::max(branch, input * std::min(branch, Branch::largest_output));

@@ -47,8 +47,8 @@ void normalise_byte_responses(std::size_t pixels, const byte_response_constants&
     const float factor = constants.ratio * (power(static_cast<float>(Rule::k)) / power(constants.margin));
     const byte_range range{0, 255, constants.to_zero};
     std::array<std::int32_t, Stride + Rule::size> squares{};
-    alignas(vector_alignment) std::array<float, room> divisors;
-    divisors.fill(1);
+    alignas(vector_alignment) std::array<float, room> powers;
+    powers.fill(1);
     for (std::size_t p = 0; p < pixels; ++p, in += Stride, out += Stride) {
         for (std::size_t c = 0; c < Channels; ++c) {
             const std::int32_t distance = in[c] - constants.zero;
@@ -58,14 +58,14 @@ void normalise_byte_responses(std::size_t pixels, const byte_response_constants&
             int32_vec<width> sum{};
             for (std::size_t i = 0; i < Rule::size; ++i)
                 sum += load_bytes_as<int32_vec<width>>(squares.data() + c + i);
-            store_any(divisors.data() + c, __builtin_convertvector(sum, float_vec<width>) + constants.margin);
+            store_any(powers.data() + c, __builtin_convertvector(sum, float_vec<width>) + constants.margin);
         }
         for (std::size_t c = 0; c < room; c += lanes<float>)
-            store(divisors.data() + c, Rule::template power<float>(load(divisors.data() + c)));
+            store(powers.data() + c, Rule::template power<float>(load(powers.data() + c)));
         for (std::size_t c = 0; c < Stride; c += width) {
             const int32_vec<width> distances =
                 to_int32<width>(load_bytes_as<uint8_vec<width>>(in + c)) - constants.zero;
-            const float_vec<width> factors = load_bytes_as<float_vec<width>>(divisors.data() + c) * factor;
+            const float_vec<width> factors = load_bytes_as<float_vec<width>>(powers.data() + c) * factor;
             store_rounded<width>(out + c, distances, factors, range);
         }
     }

@@ -28,9 +28,8 @@ template <norm_over Over, std::size_t Channels, std::size_t Area>
 /// to mean 0 and variance 1, then to a learned scale and shift.
 ///  - `norm_over::frame`: all elements together, with a scale and a shift for each element [channel][row]
 ///    [column]: PyTorch's LayerNorm((C, H, W)).
-///  - `norm_over::channels`: the channels of each pixel, with a scale and a shift for each channel:
-///  ConvNeXt's
-///    norm (Liu et al., 2022), PyTorch's LayerNorm(C) of maps with the channels last.
+///  - `norm_over::channels`: the channels of each pixel, with a scale and a shift for each channel. This
+///    is the norm of ConvNeXt (Liu et al., 2022), PyTorch's LayerNorm(C) of maps with the channels last.
 /// The network sets epsilon (execution_context::epsilon): PyTorch's default is 1e-5, ConvNeXt has 1e-6.
 template <norm_over Over>
 struct layer_norm {

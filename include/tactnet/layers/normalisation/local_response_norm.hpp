@@ -11,10 +11,12 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-template <std::size_t Size, class K>
+template <std::size_t Size, class Alpha, class Beta, class K>
 [[nodiscard]] constexpr shape local_response_output(shape output) {
     static_assert(Size > 0, "local_response_norm: the window must hold at least one channel");
     static_assert(std::ratio_greater_v<K, std::ratio<0>>, "local_response_norm: k must be above zero");
+    static_assert(Alpha::num >= 0 && Beta::num >= 0,
+                  "local_response_norm: alpha and beta must not be below zero");
     return output;
 }
 
@@ -36,7 +38,7 @@ struct local_response_norm {
 
     template <class T, shape Input>
     struct layer : lane_block_layer<T, Input, local_response_norm> {
-        static constexpr shape output = detail::local_response_output<Size, K>(Input);
+        static constexpr shape output = detail::local_response_output<Size, Alpha, Beta, K>(Input);
 
         static void forward_block(const T* in, T* out) {
             kernels::normalise_responses<rule>(Input.channels, Input.area(), in, out);

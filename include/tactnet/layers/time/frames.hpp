@@ -30,7 +30,8 @@ template <std::size_t Columns, std::size_t Outputs>
     static_assert(
         one_column<Columns>,
         "sequence: the input must be a sequence {frames, 1, features}; one_column shows its columns");
-    static_assert(Outputs > 0, "sequence: a layer must have at least one output and one tap");
+    static_assert(Outputs > 0,
+                  "sequence: a layer must have at least one output, one tap and a dilation of one");
     return output;
 }
 

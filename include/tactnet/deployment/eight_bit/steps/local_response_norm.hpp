@@ -16,11 +16,10 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 namespace detail {
 
 /// The constants that 8 bits can take. A base, so that no errors follow in the step.
-template <std::size_t Size, class Alpha, class Beta>
+template <std::size_t Size, class Beta>
 struct byte_response_limits {
     static_assert(kernels::exponent_of_roots<Beta>,
                   "local_response_norm: in 8 bits beta must be 1/2, 3/4 or 1; exponent_of_roots shows it");
-    static_assert(Alpha::num >= 0, "local_response_norm: in 8 bits alpha must not be below zero");
     static_assert(Size * 255 * 255 <= 1 << 24,
                   "local_response_norm: in 8 bits a window holds at most 258 channels");
 };
@@ -30,7 +29,7 @@ struct byte_response_limits {
 /// A local response normalisation in 8 bits, for the exponents that square roots compute.
 template <shape Map, std::size_t Stride, std::size_t Size, class Alpha, class Beta, class K>
 struct local_response_norm_step<eight_bit, Map, Stride, kernels::response_rule<Size, Alpha, Beta, K>>
-    : step_base<eight_bit, Map, Stride>, detail::byte_response_limits<Size, Alpha, Beta> {
+    : step_base<eight_bit, Map, Stride>, detail::byte_response_limits<Size, Beta> {
     using rule = kernels::response_rule<Size, Alpha, Beta, K>;
     static constexpr folded_arrays arrays{range_array("input"), range_array("output")};
     static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();

@@ -19,8 +19,8 @@ struct gru_cell {
     static constexpr std::size_t states = 1;     ///< h
     static constexpr std::size_t kept_count = 4; ///< r, z, n, and the sum of n over the hidden state
 
-    /// From the gates' sums over the input and over the hidden state, biases included: what they are, and
-    /// what n is the hyperbolic tangent of.
+    /// Computes r, z and the argument of the hyperbolic tangent that gives n, from the gates' sums over the
+    /// input and over the hidden state, biases included.
     template <class Number>
     static void open(const std::array<Number, 3>& in, const std::array<Number, 3>& hidden,
                      std::array<Number, 4>& kept) {
