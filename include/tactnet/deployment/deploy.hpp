@@ -246,8 +246,7 @@ private:
 };
 
 /// Turns a trained network into its fastest form, for inputs (count − mean) × scale. Takes any list of layers
-/// that can be deployed; the main branch of a residual block must end in a convolution, with or without batch
-/// norm. Throws as the constructor of `deployed`.
+/// that can be deployed. Throws as the constructor of `deployed`.
 template <class Network>
 [[nodiscard]] deployed<Network>
 deploy(const Network& network, std::span<const float, Network::input_shape.size()> mean, float scale = 1) {

@@ -2,11 +2,13 @@
 
 #include <tactnet/deployment/lowering/sequence.hpp>
 #include <tactnet/deployment/steps/branches.hpp>
+#include <tactnet/deployment/steps/convolution.hpp>
 #include <tactnet/deployment/steps/gate.hpp>
 #include <tactnet/layers/composition/concatenation.hpp>
 #include <tactnet/layers/composition/gate.hpp>
 #include <tactnet/layers/composition/residual.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <type_traits>
 #include <utility>
@@ -31,17 +33,37 @@ struct lowered_branch<Sequence, Stride, Offset> {
     using type = typename Sequence::template slice<Stride, Offset>;
 };
 
-/// The main branch of a residual block whose last step adds the skip. A branch that cannot is rejected here
-/// and used unchanged, so that no further error follows.
-template <class Main, const kernels::fused_activation* Activation>
+/// Adds a map to what the output holds: a depthwise convolution by 1.
+template <class Format, shape Map, std::size_t Stride, const kernels::fused_activation* Activation>
+struct lowered_sum {
+    static constexpr kernels::frame_convolution kernel{.window =
+                                                           sliding_window::over(Map, 1, 1, padding::valid),
+                                                       .filters = Map.channels,
+                                                       .input_stride = Stride,
+                                                       .activation = Activation,
+                                                       .accumulates = true,
+                                                       .groups = Map.channels};
+    using step = convolution_step<Format, kernel>;
+
+    static void fold(const parameter_source&, float* to) {
+        std::fill_n(std::fill_n(to, Map.channels, 1.0F), Map.channels, 0.0F);
+    }
+};
+
+/// The main branch of a residual block: its last step adds the skip, or a step after it does.
+template <class Format, class Main, shape Output, const kernels::fused_activation* Activation>
 auto adding_main() {
-    static_assert(Main::can_add,
-                  "deploy: the main branch of a residual block must end in a convolution, with or "
-                  "without batch norm");
-    if constexpr (Main::can_add)
+    static_assert(Main::size > 0,
+                  "deploy: the main branch of a residual block must do something in inference");
+    if constexpr (Main::size == 0)
+        return std::type_identity<
+            lowered_sum<typename Format::hidden_format, Output, Output.channels, Activation>>{};
+    else if constexpr (Main::can_add)
         return std::type_identity<typename Main::template adding<Activation>>{};
     else
-        return std::type_identity<typename Main::type>{};
+        return std::type_identity<
+            lowered_chain<typename Main::type, lowered_sum<typename Format::hidden_format, Output,
+                                                           Main::type::step::output_stride, Activation>>>{};
 }
 
 } // namespace detail
@@ -53,7 +75,8 @@ struct lowered_residual {
     using layer = typename Place::layer;
     using lowered_main = lowered_sequence<typename Place::format, as_sequence<Main>, typename layer::main,
                                           Place::input_stride>;
-    using main = typename decltype(detail::adding_main<lowered_main, Activation>())::type;
+    using main = typename decltype(detail::adding_main<typename Place::format, lowered_main, layer::output,
+                                                       Activation>())::type;
     using skip = detail::lowered_alone<lowered_sequence<typename Place::format, as_sequence<Skip>,
                                                         typename layer::skip, Place::input_stride>>;
     static_assert(

@@ -95,6 +95,8 @@ private:
 class folding_layer : public reference_layer {
 public:
     [[nodiscard]] virtual bool folds() const = 0;
+    /// Whether what is added goes into its sums.
+    [[nodiscard]] virtual bool adds() const { return true; }
     /// Deployed. `added` may be null.
     [[nodiscard]] virtual sample deployed(const reference_call& call, const sample& in,
                                           const std::optional<folded_norm>& behind,

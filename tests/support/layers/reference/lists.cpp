@@ -98,8 +98,8 @@ public:
                 else if (const auto* scale = dynamic_cast<const channel_scale*>(layers_[behind].get()))
                     norm = scale->folded(parts.next(*scale)), i = behind;
             }
-            x = taps->deployed(own, x, norm,
-                               i + 1 == layers_.size() ? std::exchange(added, nullptr) : nullptr);
+            const bool adds = i + 1 == layers_.size() && taps->adds();
+            x = taps->deployed(own, x, norm, adds ? std::exchange(added, nullptr) : nullptr);
         }
         if (added != nullptr)
             add(call, x, *added);

@@ -46,6 +46,7 @@ public:
     }
 
     [[nodiscard]] bool folds() const override { return true; }
+    [[nodiscard]] bool adds() const override { return false; }
     [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
         reference_call of_phases = call;
         const std::vector<double> values = spread(call.values);
@@ -220,6 +221,7 @@ public:
         static_cast<reference_layer&>(*this) = trained_;
     }
     [[nodiscard]] bool folds() const override { return true; }
+    [[nodiscard]] bool adds() const override { return false; }
     [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
         return (call.deployed ? deployed_ : trained_).forward(call, in);
     }

@@ -1,0 +1,30 @@
+#include "../deployed_network.hpp"
+#include "../eight_bit/networks.hpp"
+
+#include <doctest/doctest.h>
+
+// Residual blocks whose main branch cannot add in its last step.
+
+using namespace tactnet;
+
+namespace {
+
+/// Two blocks of the same main branch, with different functions after them.
+template <class Main>
+using blocks_of =
+    network<shape{7, 9, 3}, conv2d<20, 3>, relu, residual<Main>, silu, residual<Main>, relu, dense<4>>;
+
+} // namespace
+
+TEST_CASE_TEMPLATE("deployed: residual blocks whose main branch does not end in a convolution", Main,
+                   sequence<conv2d<20, 3>, batch_norm, squeeze_excitation<20, 5>>,
+                   sequence<conv2d<20, 3>, group_norm<4>>, sequence<conv2d<20, 3>, relu>,
+                   dilated_conv2d<20, 3>, sequence<conv2d<20, 1>, max_pool<3, 1>, gelu, dropout<20>>) {
+    CHECK(support::errors_of<blocks_of<Main>>(71, 5));
+    CHECK(support::frames_that_differ<blocks_of<Main>>(72, 20) == 0); // in 8 bits, from the plain reference
+}
+TEST_CASE_TEMPLATE("deployed: residual blocks that end in other layers", Main,
+                   sequence<conv2d<20, 3>, transposed_conv2d<20, 3, 1, pad(1)>>,
+                   sequence<average_pool<3, 1>, named<"inner", sequence<residual<relu>>>>) {
+    CHECK(support::errors_of<blocks_of<Main>>(73, 5));
+}
