@@ -64,6 +64,12 @@ using net = network<shape{20, 1, 3}, gru<8>, last_frame, sequence<dense<4>, gru<
 constexpr std::size_t bytes = deployed_stream<net>::weight_bytes;
 #endif
 
+#ifdef CASE_stream_looks_back_after_a_block
+// expect: deploy_stream: after last_frame, layers have one frame of each sequence
+using net = network<shape{20, 1, 3}, gru<8>, residual<sequence<last_frame, dense<8>>, last_frame>, gru<4>>;
+constexpr std::size_t bytes = deployed_stream<net>::weight_bytes;
+#endif
+
 #ifdef CASE_stream_of_all_frames
 // expect: deploy_stream: this layer does not run frame by frame; runs_in_streams shows it and its input
 // expect: dense<3

@@ -36,9 +36,8 @@ struct stream_steps {
     static_assert(
         one_column<input.columns>,
         "deploy_stream: the input must be a sequence {frames, 1, features}; one_column shows its columns");
-    using type =
-        typename stream_lowering<typename stream_logits<typename Network::specification>::type, input,
-                                 Format>::step;
+    using type = typename stream_lowering<typename stream_logits<typename Network::specification>::type,
+                                          input, Format>::step;
 };
 
 /// The folded numbers and the packed weights of a stream, and its calls.
@@ -63,8 +62,11 @@ public:
     [[nodiscard]] std::span<const float, folded_elements> folded() const noexcept {
         return std::span<const float, folded_elements>(folded_.data(), folded_elements);
     }
-    /// A view, which must not outlive the stream.
-    [[nodiscard]] view_type view() const noexcept { return view_type(packed_.data()); }
+    /// A view of these weights, which must outlive the view.
+    [[nodiscard]] view_type view() const& noexcept { return view_type(packed_.data()); }
+    view_type view() const&& = delete;
+    /// Every output stands for a class.
+    [[nodiscard]] static constexpr std::size_t class_count() noexcept { return outputs; }
 
     /// Takes the features of one frame, writes the outputs after it and updates the state. For a frame that
     /// the stream refuses, returns not_finite; the state and the outputs are then unchanged, as if there had

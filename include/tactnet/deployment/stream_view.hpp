@@ -56,8 +56,7 @@ struct stream_output<single_precision, float, Outputs> {
 ///
 /// `Steps` is a stream_chain.
 template <class Steps>
-class stream_view
-    : public detail::stream_calls<stream_view<Steps>, Steps::features, Steps::outputs> {
+class stream_view : public detail::stream_calls<stream_view<Steps>, Steps::features, Steps::outputs> {
     using calls = detail::stream_calls<stream_view, Steps::features, Steps::outputs>;
     using format = typename Steps::format;
     using element = typename Steps::element;
@@ -100,11 +99,16 @@ public:
         return result;
     }
 
-    /// `packed` must outlive the view and be aligned to `vector_alignment`.
-    constexpr explicit stream_view(const packed_number* packed) noexcept : packed_(packed) {}
-    constexpr explicit stream_view(const packed_weights& weights) noexcept
-        : stream_view(weights.elements.data()) {}
-    explicit stream_view(const packed_weights&&) = delete; // they must outlive the view
+    /// `packed` must outlive the view and be aligned to `vector_alignment`. Only the first `classes` outputs
+    /// stand for a class.
+    constexpr explicit stream_view(const packed_number* packed, std::size_t classes = outputs) noexcept
+        : packed_(packed), classes_(classes) {}
+    constexpr explicit stream_view(const packed_weights& weights, std::size_t classes = outputs) noexcept
+        : stream_view(weights.elements.data(), classes) {}
+    explicit stream_view(const packed_weights&&,
+                         std::size_t = outputs) = delete; // they must outlive the view
+
+    [[nodiscard]] constexpr std::size_t class_count() const noexcept { return classes_; }
 
     /// Takes the features of one frame, writes the outputs after it and updates the state. For a frame that
     /// the input refuses (deployed_stream), returns not_finite; the state and the outputs are then unchanged,
@@ -125,6 +129,7 @@ public:
 
 private:
     const packed_number* packed_;
+    std::size_t classes_;
 };
 
 }} // namespace tactnet

@@ -42,7 +42,8 @@ public:
         require_finite(network.learnable_values().first(Network::parameters), "parameters");
         require_finite(sequences, "calibration sequences");
         detail::stream_observation found{input.rows};
-        require_finite(detail::stream_observer<steps>::run(values, frames_of(sequences), found), "parameters and sequences");
+        require_finite(detail::stream_observer<steps>::run(values, frames_of(sequences), found),
+                       "parameters and sequences");
         require_finite({&found.out_of_range, 1}, "parameters and sequences");
 
         write_word_steps(sequences);
@@ -71,8 +72,8 @@ private:
             float& of_feature = largest[i % input.size() / input.rows];
             of_feature = std::max(of_feature, std::abs(sequences[i]));
         }
-        // A feature that is always zero takes the least step: its weights, which nothing has trained, must not
-        // set the scales of filters.
+        // A feature that is always zero takes the least step: its weights, which nothing has trained, must
+        // not set the scales of filters.
         float least = std::numeric_limits<float>::max();
         for (const float of_feature : largest)
             least = of_feature > 0 ? std::min(least, of_feature) : least;

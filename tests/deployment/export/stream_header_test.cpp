@@ -49,7 +49,14 @@ TEST_CASE("deployed_header: the stream that it was written from") {
     CHECK(tagging::passes_selftest());
     CHECK(recorded::classes.size() == 2);
     CHECK(recorded::classes[1] == "grip");
-    CHECK(tagging::classes.empty());
+    CHECK(recorded_in_bytes::classes.empty());
+    CHECK(recorded_in_bytes::recogniser.class_count() == 2); // without names
+    CHECK(tagging::classes.size() == 1);
+    CHECK(tagging::recogniser.class_count() == 1);
+    tagging::recogniser_type::state state;
+    const auto found = tagging::recogniser.classify(std::array<float, 5>{1, -1, 1, 0, 0}, state);
+    CHECK(found->index == 0); // the only class
+    CHECK(found->probability == 1);
 }
 
 TEST_CASE("deployed_header: rejects recordings that a stream cannot take") {

@@ -7,7 +7,6 @@
 #include <tactnet/quantisation.hpp>
 
 #include <cstddef>
-#include "networks.hpp"
 #include <vector>
 
 // The streams that are written as headers. Generator and test make them alike.

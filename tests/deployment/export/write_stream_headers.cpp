@@ -30,7 +30,7 @@ int main(int count, char** arguments) {
     try {
         write<recorded_network, tactnet::single_precision>(arguments[1], "recorded", {"slip", "grip"});
         write<recorded_network, tactnet::eight_bit>(arguments[2], "recorded_in_bytes", {});
-        write<tagging_network, tactnet::eight_bit>(arguments[3], "tagging", {});
+        write<tagging_network, tactnet::eight_bit>(arguments[3], "tagging", {"first"});
     } catch (const std::exception& error) {
         std::fprintf(stderr, "write_stream_headers: %s\n", error.what());
         return 1;

@@ -52,8 +52,7 @@ template <class Network>
 struct eight_bit_stream_plan {
     static constexpr shape input = Network::input_shape; ///< of a whole sequence
     /// Those of the layers, from words to floats or bytes.
-    using steps =
-        typename detail::stream_steps<Network, eight_bit_between<std::int16_t, float>>::type;
+    using steps = typename detail::stream_steps<Network, eight_bit_between<std::int16_t, float>>::type;
     static_assert(!std::is_same_v<typename steps::output_number, std::int16_t>,
                   "deploy_stream: in 8 bits, the network needs a layer with weights");
     /// Otherwise the last layer writes bytes.

@@ -76,7 +76,8 @@ template <class Network, class Format>
     if constexpr (requires { Format::steps_header; })
         steps.include(Format::steps_header);
     const bool on_stack = view::workspace_bytes <= view::max_stack_bytes;
-    std::vector<detail::replacement> fields = detail::common_fields(description, steps, network.folded());
+    std::vector<detail::replacement> fields =
+        detail::common_fields(description, steps, network.folded(), usual_packing(view::folded_elements));
     fields.insert(
         fields.end(),
         {{"view header", "tactnet/deployment/deployed_view.hpp"},

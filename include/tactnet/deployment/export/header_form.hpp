@@ -84,16 +84,17 @@ inline const recogniser_type::packed_weights packed = recogniser_type::pack(fold
                                     " class names, found " + std::to_string(description.classes.size()));
 }
 
-/// The values of the fields that all headers have, but for @type@, @view header@ and @contents@.
+/// The values of the fields that all headers have, but for @type@, @view header@ and @contents@. `usual` is
+/// when weights are packed, unless the description says it.
 [[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::vector<replacement>
-common_fields(const header_description& description, const step_text& steps, std::span<const float> folded) {
+common_fields(const header_description& description, const step_text& steps, std::span<const float> folded,
+              header_packing usual) {
     std::string includes, classes;
     for (const std::string& header : steps.includes())
         includes += "#include <" + header + ">\n";
     for (const std::string& name : description.classes)
         classes += "    " + string_literal(name) + ",\n";
-    const bool when_compiling =
-        description.when.value_or(usual_packing(folded.size())) == header_packing::when_compiling;
+    const bool when_compiling = description.when.value_or(usual) == header_packing::when_compiling;
     return {{"network", one_line(description.network)},
             {"namespace", description.namespace_name},
             {"includes", includes},

@@ -77,11 +77,14 @@ template <class Network, class Format>
             throw std::invalid_argument("deployed_header: expected a recording that the stream takes for the "
                                         "self-test, found a frame that it refuses");
 
+    // Rows are padded to whole vectors, which in 8 bits are four times as long.
+    constexpr std::size_t packed_steps = std::is_same_v<Format, single_precision> ? 1 : 4;
     step_text steps;
     const std::string chain = steps.template define<typename view::steps>({1, 1, view::features}, "");
     if constexpr (!std::is_same_v<Format, single_precision>)
         steps.include(Format::stream_steps_header);
-    std::vector<detail::replacement> fields = detail::common_fields(description, steps, stream.folded());
+    std::vector<detail::replacement> fields = detail::common_fields(
+        description, steps, stream.folded(), usual_packing(packed_steps * stream.folded().size()));
     fields.insert(fields.end(),
                   {{"view header", "tactnet/deployment/stream_view.hpp"},
                    {"type", "tactnet::stream_view<" + chain + ">"},
@@ -89,7 +92,7 @@ template <class Network, class Format>
                    {"features", std::to_string(view::features)},
                    {"outputs", std::to_string(view::outputs)},
                    {"parameters", std::to_string(Network::parameters)},
-                   {"known", ""},
+                   {"known", description.classes.empty() ? "" : ", classes.size()"},
                    {"recorded frames", std::to_string(recording.size() / view::features)},
                    {"recording", detail::number_lines<float>(recording, detail::float_literal)},
                    {"recorded outputs", detail::number_lines<float>(outputs, detail::float_literal)}});

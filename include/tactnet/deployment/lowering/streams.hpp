@@ -36,8 +36,8 @@ inline constexpr bool changes_nothing_in_streams = std::is_same_v<Spec, last_fra
 template <unsigned Percent>
 inline constexpr bool changes_nothing_in_streams<dropout<Percent>> = true;
 template <class... Specs>
-inline constexpr bool changes_nothing_in_streams<sequence<Specs...>> =
-    (changes_nothing_in_streams<without_name<Specs>> && ...);
+inline constexpr bool
+    changes_nothing_in_streams<sequence<Specs...>> = (changes_nothing_in_streams<without_name<Specs>> && ...);
 
 /// Whether a layer looks back to frames before the present one.
 template <class Spec>
@@ -52,9 +52,12 @@ inline constexpr bool remembers_frames<residual<Main, Skip>> =
 template <class... Specs>
 inline constexpr bool remembers_frames<sequence<Specs...>> = (remembers_frames<without_name<Specs>> || ...);
 
-/// Whether a layer is `last_frame`, or a list with it.
+/// Whether a layer is `last_frame`, or a list or a residual block with it.
 template <class Spec>
 inline constexpr bool takes_last_frame = std::is_same_v<Spec, last_frame>;
+template <class Main, class Skip>
+inline constexpr bool takes_last_frame<residual<Main, Skip>> =
+    takes_last_frame<as_sequence<Main>> || takes_last_frame<as_sequence<Skip>>;
 template <class... Specs>
 inline constexpr bool takes_last_frame<sequence<Specs...>> = (takes_last_frame<without_name<Specs>> || ...);
 
@@ -154,8 +157,8 @@ template <class Format, shape Input, class... Before, class Spec, class... Rest>
 struct stream_list_from<Format, Input, stream_chain<Before...>, Spec, Rest...>
     : checked_stream_order<Spec, Rest...> {
     static constexpr bool last = (changes_nothing_in_streams<Rest> && ...);
-    using here = typename checked_stream_step<Spec, Input,
-                                              typename format_of_stream_step<Format, last>::type>::step;
+    using here =
+        typename checked_stream_step<Spec, Input, typename format_of_stream_step<Format, last>::type>::step;
     using after = typename format_after_stream_step<Format, typename here::output_number>::type;
     using step =
         typename stream_list<after, Spec::costs(Input).output, stream_chain<Before..., here>, Rest...>::step;

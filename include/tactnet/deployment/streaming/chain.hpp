@@ -62,9 +62,11 @@ struct stream_pair {
         const double bound = First::output_bound(folded, input);
         return std::max(bound, Rest::output_bound(folded + First::folded_elements, bound));
     }
-    /// In 8 bits: the ranges of maps, of which observed ones are read from `next`. Returns that of the output.
+    /// In 8 bits: the ranges of maps, of which observed ones are read from `next`. Returns that of the
+    /// output.
     static auto set_ranges(float* folded, const auto& input, auto& next) {
-        return Rest::set_ranges(folded + First::folded_elements, First::set_ranges(folded, input, next), next);
+        return Rest::set_ranges(folded + First::folded_elements, First::set_ranges(folded, input, next),
+                                next);
     }
 };
 

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 // The steps of streams in single precision.
 
@@ -100,8 +101,7 @@ public:
     /// states leave −1 … 1 by roundings alone.
     [[nodiscard]] static double output_bound(const float* values, double input) {
         constexpr double most_content = 0x1p24;
-        return most_content +
-               detail::product_bound(values, Features, values + input_biases, rows, input) +
+        return most_content + detail::product_bound(values, Features, values + input_biases, rows, input) +
                detail::product_bound(values + hidden_weights, Hidden, values + hidden_biases, rows,
                                      most_content);
     }
@@ -119,10 +119,12 @@ public:
     static constexpr std::size_t packed_elements = product::packed_elements;
 
     /// The frames before the present one, which are zero at first, in a ring; `next` is the oldest.
-    struct state {
+    struct ring {
         std::array<float, frames * Features> elements{};
         std::uint32_t next = 0;
     };
+    struct nothing {};
+    using state = std::conditional_t<Taps == 1, nothing, ring>;
 
     static constexpr void pack(const float* values, float* packed) {
         product::pack([&](std::size_t row, std::size_t input) { return values[row * inputs + input]; },

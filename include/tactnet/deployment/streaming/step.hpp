@@ -46,7 +46,7 @@ struct residual_stream_step;
 template <class Format, class Cell, std::size_t Features, std::size_t Hidden>
 struct step_description<recurrent_stream_step<Format, Cell, Features, Hidden>> {
     static constexpr void visit(auto&& to) {
-        to("tactnet::recurrent_stream_step", Cell::name, std::type_identity<Format>{},
+        to("tactnet::recurrent_stream_step", Cell::title, std::type_identity<Format>{},
            std::type_identity<Cell>{}, Features, Hidden);
     }
 };

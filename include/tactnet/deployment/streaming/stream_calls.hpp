@@ -24,8 +24,9 @@ public:
     [[nodiscard]] std::optional<recognition> classify(std::span<const float, features> frame,
                                                       State& memory) const noexcept {
         std::array<float, outputs> found;
-        return self().step(frame, memory, found) == frame_status::ok ? classify_logits(found, outputs)
-                                                                     : std::nullopt;
+        return self().step(frame, memory, found) == frame_status::ok
+                   ? classify_logits(found, self().class_count())
+                   : std::nullopt;
     }
     /// Takes a recording, `features` numbers of one frame after the other, and writes `outputs` numbers for
     /// each frame: the bits of a `step` for each. Returns the number of frames that were taken: all that are

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
 #include <tactnet/kernels/local_response.hpp>
 #include <tactnet/kernels/simd/compiler_vector.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
-#include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
 #include <array>

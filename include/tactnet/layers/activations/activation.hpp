@@ -4,7 +4,6 @@
 #include <tactnet/layers/activations/activation_function.hpp>
 #include <tactnet/layers/layer.hpp>
 
-#include <concepts>
 #include <cstddef>
 #include <string_view>
 

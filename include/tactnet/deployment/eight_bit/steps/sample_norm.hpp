@@ -3,8 +3,8 @@
 #include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/deployment/steps/sample_norm.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/integer/sample_norm.hpp>
-#include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
 #include <array>

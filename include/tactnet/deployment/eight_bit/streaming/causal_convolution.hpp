@@ -24,9 +24,10 @@ using causal_product_step =
 } // namespace detail
 
 /// A dense layer.
-template <class In, class Out, std::size_t Features, std::size_t Filters, bool Rectified>
-struct causal_stream_step<eight_bit_between<In, Out>, Features, Filters, 1, 1, Rectified>
-    : detail::causal_product_step<In, Out, Features, Filters, 1, 1, Rectified> {};
+template <class In, class Out, std::size_t Features, std::size_t Filters, std::size_t Dilation,
+          bool Rectified>
+struct causal_stream_step<eight_bit_between<In, Out>, Features, Filters, 1, Dilation, Rectified>
+    : detail::causal_product_step<In, Out, Features, Filters, 1, Dilation, Rectified> {};
 
 template <class In, class Out, std::size_t Features, std::size_t Filters, std::size_t Taps,
           std::size_t Dilation, bool Rectified>

@@ -19,9 +19,7 @@
 //                                  returns the range of its output
 //   visit_arrays(to)               calls to(part, arrays, largest input) for its folded_arrays, in order
 
-namespace tactnet { inline namespace TACTNET_ARCH {
-
-namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 /// The base of steps in 8 bits, of numbers that another step gives.
 template <class Format, class Output, class Sizes>

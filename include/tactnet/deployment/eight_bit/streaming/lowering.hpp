@@ -24,7 +24,8 @@ struct stream_lowering<causal_conv1d<Filters, Taps, Dilation>, Input, eight_bit_
 };
 template <std::size_t Filters, std::size_t Taps, std::size_t Dilation, shape Input, class In, class Out>
 struct stream_lowering<rectified<causal_conv1d<Filters, Taps, Dilation>>, Input, eight_bit_between<In, Out>> {
-    using step = causal_stream_step<eight_bit_between<In, Out>, Input.channels, Filters, Taps, Dilation, true>;
+    using step =
+        causal_stream_step<eight_bit_between<In, Out>, Input.channels, Filters, Taps, Dilation, true>;
 };
 /// A dense layer after `last_frame`.
 template <std::size_t Outputs, shape Input, class In, class Out>

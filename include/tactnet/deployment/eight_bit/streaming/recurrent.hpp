@@ -58,7 +58,8 @@ public:
 
     /// From both matrices, then both biases.
     static void fold(const float* values, float* folded) {
-        constexpr std::size_t input_weights = input_product::weights, hidden_weights = hidden_product::weights;
+        constexpr std::size_t input_weights = input_product::weights,
+                              hidden_weights = hidden_product::weights;
         float* const hidden = folded + input_product::folded_elements;
         std::copy_n(values, input_weights, folded);
         std::copy_n(values += input_weights, hidden_weights, hidden);

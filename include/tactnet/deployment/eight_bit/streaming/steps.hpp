@@ -29,7 +29,7 @@ struct copying_stream_step<eight_bit_between<In, Out>, Features>
     : detail::byte_stream_step<eight_bit_between<In, Out>, In,
                                copying_stream_step<single_precision, Features>> {
     using exact = copying_stream_step<single_precision, Features>;
-    struct state {};
+    using state = typename detail::byte_stream_step<eight_bit_between<In, Out>, In, exact>::state;
     static constexpr bool observes_output = false;
     static constexpr std::size_t folded_elements = 0, packed_elements = 0, workspace_elements = 0;
 

@@ -9,16 +9,15 @@
 
 // The cell of a recurrent layer, in a batch as in a stream. It is a struct with
 //   name, gates, states, kept_count   constants: the numbers of each hidden unit
-//   type, header                      its name in C++ and the file that declares it, for exported headers
+//   title, type, header               for exported headers: its name for people and in C++, and the file that
+//                                     declares it
 //   open(in, hidden, kept), update(kept, state)
 //   backward(kept, before, gradient, in, hidden)
 // as in gru_cell.hpp. `in` and `hidden` are the gates' sums over the input and over the hidden state, each
 // with its bias; the first state is the hidden state, which is the output. Each function takes arrays of
 // kernels::vector<float> or of double.
 
-namespace tactnet { inline namespace TACTNET_ARCH {
-
-namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 
 /// What the functions of a cell take, in a computation with T.
 template <class T>

@@ -13,7 +13,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// state n,
 ///     n = tanh(in + r · hidden),  h = n + z · (h − n)
 struct gru_cell {
-    static constexpr const char *name = "gru", *type = "tactnet::gru_cell",
+    static constexpr const char *name = "gru", *title = "GRU", *type = "tactnet::gru_cell",
                                 *header = "tactnet/layers/time/cells/gru_cell.hpp";
     static constexpr std::size_t gates = 3;      ///< r, z, n: the order of PyTorch
     static constexpr std::size_t states = 1;     ///< h

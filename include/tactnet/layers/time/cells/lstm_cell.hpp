@@ -13,7 +13,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// and the output gate o,
 ///     c = f · c + i · g,  h = o · tanh(c)
 struct lstm_cell {
-    static constexpr const char *name = "lstm", *type = "tactnet::lstm_cell",
+    static constexpr const char *name = "lstm", *title = "LSTM", *type = "tactnet::lstm_cell",
                                 *header = "tactnet/layers/time/cells/lstm_cell.hpp";
     static constexpr std::size_t gates = 4;      ///< i, f, g, o: the order of PyTorch
     static constexpr std::size_t states = 2;     ///< h, c
