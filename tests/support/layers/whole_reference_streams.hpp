@@ -255,7 +255,7 @@ struct reference_stream_list<> {
 template <bool Relu, class Spec, class... Rest>
 stream_function make_stream_chain(const float*& from, stream_place& place) {
     const bool last = place.last;
-    place.last = last && (tactnet::changes_nothing_in_streams<Rest> && ...);
+    place.last = last && (tactnet::detail::changes_nothing_in_streams<Rest> && ...);
     place.relu = Relu;
     auto first = reference_stream_step<Spec>::make(from, place);
     place.last = last;
@@ -265,7 +265,7 @@ stream_function make_stream_chain(const float*& from, stream_place& place) {
 template <class Spec, class... Rest>
 struct reference_stream_list<Spec, Rest...> {
     static stream_function make(const float*& from, stream_place& place) {
-        if constexpr (tactnet::changes_nothing_in_streams<Spec>)
+        if constexpr (tactnet::detail::changes_nothing_in_streams<Spec>)
             return reference_stream_list<Rest...>::make(from, place);
         else
             return make_stream_chain<false, Spec, Rest...>(from, place);

@@ -30,6 +30,8 @@ concept runs_in_streams = requires {
     sizeof(stream_lowering<Spec, Input, Format>);
 };
 
+namespace detail {
+
 /// Whether a layer changes nothing in a stream, which has one frame at a time and is not trained.
 template <class Spec>
 inline constexpr bool changes_nothing_in_streams = std::is_same_v<Spec, last_frame>;
@@ -66,6 +68,8 @@ template <class Spec>
 struct rectified {
     static constexpr layer_costs costs(const shape& input) { return Spec::costs(input); }
 };
+
+} // namespace detail
 
 template <class Cell, std::size_t Hidden, shape Input>
 struct stream_lowering<recurrent<Cell, Hidden>, Input> {

@@ -23,7 +23,8 @@ struct stream_lowering<causal_conv1d<Filters, Taps, Dilation>, Input, eight_bit_
     using step = causal_stream_step<eight_bit_between<In, Out>, Input.channels, Filters, Taps, Dilation>;
 };
 template <std::size_t Filters, std::size_t Taps, std::size_t Dilation, shape Input, class In, class Out>
-struct stream_lowering<rectified<causal_conv1d<Filters, Taps, Dilation>>, Input, eight_bit_between<In, Out>> {
+struct stream_lowering<detail::rectified<causal_conv1d<Filters, Taps, Dilation>>, Input,
+                       eight_bit_between<In, Out>> {
     using step =
         causal_stream_step<eight_bit_between<In, Out>, Input.channels, Filters, Taps, Dilation, true>;
 };
@@ -35,7 +36,7 @@ struct stream_lowering<dense<Outputs>, Input, eight_bit_between<In, Out>> {
 };
 template <std::size_t Outputs, shape Input, class In, class Out>
     requires(Input.area() == 1)
-struct stream_lowering<rectified<dense<Outputs>>, Input, eight_bit_between<In, Out>> {
+struct stream_lowering<detail::rectified<dense<Outputs>>, Input, eight_bit_between<In, Out>> {
     using step = causal_stream_step<eight_bit_between<In, Out>, Input.channels, Outputs, 1, 1, true>;
 };
 template <class Function, shape Input, class Out>
