@@ -1,4 +1,4 @@
-#include "comparison.hpp"
+#include "../comparison.hpp"
 
 #include <doctest/doctest.h>
 
