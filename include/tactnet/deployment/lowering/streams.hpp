@@ -38,8 +38,8 @@ inline constexpr bool changes_nothing_in_streams = std::is_same_v<Spec, last_fra
 template <unsigned Percent>
 inline constexpr bool changes_nothing_in_streams<dropout<Percent>> = true;
 template <class... Specs>
-inline constexpr bool
-    changes_nothing_in_streams<sequence<Specs...>> = (changes_nothing_in_streams<without_name<Specs>> && ...);
+inline constexpr bool changes_nothing_in_streams<sequence<Specs...>> =
+    (changes_nothing_in_streams<tactnet::without_name<Specs>> && ...);
 
 /// Whether a layer looks back to frames before the present one.
 template <class Spec>
@@ -50,18 +50,20 @@ template <std::size_t Filters, std::size_t Taps, std::size_t Dilation>
 inline constexpr bool remembers_frames<causal_conv1d<Filters, Taps, Dilation>> = Taps > 1;
 template <class Main, class Skip>
 inline constexpr bool remembers_frames<residual<Main, Skip>> =
-    remembers_frames<as_sequence<Main>> || remembers_frames<as_sequence<Skip>>;
+    remembers_frames<tactnet::as_sequence<Main>> || remembers_frames<tactnet::as_sequence<Skip>>;
 template <class... Specs>
-inline constexpr bool remembers_frames<sequence<Specs...>> = (remembers_frames<without_name<Specs>> || ...);
+inline constexpr bool
+    remembers_frames<sequence<Specs...>> = (remembers_frames<tactnet::without_name<Specs>> || ...);
 
 /// Whether a layer is `last_frame`, or a list or a residual block with it.
 template <class Spec>
 inline constexpr bool takes_last_frame = std::is_same_v<Spec, last_frame>;
 template <class Main, class Skip>
 inline constexpr bool takes_last_frame<residual<Main, Skip>> =
-    takes_last_frame<as_sequence<Main>> || takes_last_frame<as_sequence<Skip>>;
+    takes_last_frame<tactnet::as_sequence<Main>> || takes_last_frame<tactnet::as_sequence<Skip>>;
 template <class... Specs>
-inline constexpr bool takes_last_frame<sequence<Specs...>> = (takes_last_frame<without_name<Specs>> || ...);
+inline constexpr bool
+    takes_last_frame<sequence<Specs...>> = (takes_last_frame<tactnet::without_name<Specs>> || ...);
 
 /// A layer with the ReLU after it, in one step, in formats where this saves something.
 template <class Spec>
