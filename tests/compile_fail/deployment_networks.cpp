@@ -70,6 +70,12 @@ using net = network<shape{20, 1, 3}, gru<8>, residual<sequence<last_frame, dense
 constexpr std::size_t bytes = deployed_stream<net>::weight_bytes;
 #endif
 
+#ifdef CASE_stream_view_of_temporary
+// expect: deleted
+using net = network<shape{20, 1, 3}, gru<8>, last_frame, dense<2>>;
+const auto view = deploy_stream(net{}).view();
+#endif
+
 #ifdef CASE_stream_of_all_frames
 // expect: deploy_stream: this layer does not run frame by frame; runs_in_streams shows it and its input
 // expect: dense<3

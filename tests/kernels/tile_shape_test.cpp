@@ -21,7 +21,7 @@ constexpr std::size_t most_in_a_set(std::size_t elements, std::size_t distance) 
         ++lines[e * distance / cache_line % lines.size()];
     return *std::max_element(lines.begin(), lines.end());
 }
-/// The same for tiles whose elements have so many numbers of type T.
+/// As most_in_a_set, for the elements of a tile: each has so many numbers of type T.
 template <class T>
 constexpr std::size_t most_of_tiles(std::size_t elements, std::size_t numbers) {
     return most_in_a_set(elements, tile_distance<T>(numbers, elements) * sizeof(T));

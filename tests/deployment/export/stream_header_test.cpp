@@ -13,6 +13,7 @@
 #include <limits>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <support/same_bits.hpp>
 #include <type_traits>
 #include <vector>
@@ -57,6 +58,21 @@ TEST_CASE("deployed_header: the stream that it was written from") {
     const auto found = tagging::recogniser.classify(std::array<float, 5>{1, -1, 1, 0, 0}, state);
     CHECK(found->index == 0); // the only class
     CHECK(found->probability == 1);
+}
+
+TEST_CASE(
+    "deployed_header: 8-bit streams are packed when compiling only if Clang's default limit allows it") {
+    const tactnet::header_description says{.network = "x", .namespace_name = "a", .classes = {}};
+    const auto packed_when_compiling = [&](const auto& stream, std::span<const float> recording) {
+        const std::string text = tactnet::deployed_header(stream, says, recording);
+        return text.find("inline constexpr recogniser_type::packed_weights") != std::string::npos;
+    };
+    const auto recording = recordings<recorded_network>(1, 1);
+    CHECK(
+        packed_when_compiling(deployed_stream_of<recorded_network>(tactnet::single_precision{}), recording));
+    CHECK_FALSE(packed_when_compiling(deployed_stream_of<recorded_network>(tactnet::eight_bit{}), recording));
+    CHECK(packed_when_compiling(deployed_stream_of<tagging_network>(tactnet::eight_bit{}),
+                                recordings<tagging_network>(1, 1)));
 }
 
 TEST_CASE("deployed_header: rejects recordings that a stream cannot take") {

@@ -46,7 +46,7 @@ inline constexpr recogniser_type recogniser(packed@known@);
 
 )";
 
-/// Of a function that has computed `outputs` for a self-test.
+/// The end of a self-test, a function that has computed `outputs`.
 inline constexpr std::string_view header_end =
     R"(    float largest = 0, difference = 0;
     for (std::size_t i = 0; i < outputs.size(); ++i) {

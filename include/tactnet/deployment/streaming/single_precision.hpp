@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/streaming/chain.hpp>
+#include <tactnet/deployment/streaming/frame_ring.hpp>
 #include <tactnet/deployment/streaming/step.hpp>
 #include <tactnet/kernels/elementwise.hpp>
 #include <tactnet/kernels/frame/ordered_product.hpp>
@@ -11,8 +12,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <type_traits>
 
 // The steps of streams in single precision.
 
@@ -112,19 +111,12 @@ struct causal_stream_step<single_precision, Features, Filters, Taps, Dilation, R
     : detail::float_stream_step<Features, Filters, Filters*(Features* Taps + 1)> {
 private:
     static constexpr std::size_t inputs = Features * Taps; // of one output
-    static constexpr std::size_t frames = (Taps - 1) * Dilation;
     using product = kernels::ordered_product<Filters, inputs>;
 
 public:
     static constexpr std::size_t packed_elements = product::packed_elements;
 
-    /// The frames before the present one, which are zero at first, in a ring; `next` is the oldest.
-    struct ring {
-        std::array<float, frames * Features> elements{};
-        std::uint32_t next = 0;
-    };
-    struct nothing {};
-    using state = std::conditional_t<Taps == 1, nothing, ring>;
+    using state = detail::frame_ring<float, Features, Taps, Dilation>;
 
     static constexpr void pack(const float* values, float* packed) {
         product::pack([&](std::size_t row, std::size_t input) { return values[row * inputs + input]; },
@@ -148,16 +140,11 @@ private:
     static std::array<float, inputs> look_back(const float* in, state& s) noexcept {
         std::array<float, inputs> taken;
         for (std::size_t tap = 0; tap < Taps; ++tap) {
-            // The frame (Taps − 1 − tap) · Dilation before the present one is this far after the oldest.
-            std::size_t frame = s.next + tap * Dilation;
-            if (frame >= frames)
-                frame -= frames;
-            const float* const from = tap + 1 == Taps ? in : s.elements.data() + frame * Features;
+            const float* const from = tap + 1 == Taps ? in : s.before(tap);
             for (std::size_t f = 0; f < Features; ++f)
                 taken[f * Taps + tap] = from[f];
         }
-        std::copy_n(in, Features, s.elements.data() + s.next * Features);
-        s.next = s.next + 1 == frames ? 0 : s.next + 1;
+        std::copy_n(in, Features, s.replace_oldest());
         return taken;
     }
 };

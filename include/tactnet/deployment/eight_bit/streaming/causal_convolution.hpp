@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/eight_bit/streaming/frame_step.hpp>
+#include <tactnet/deployment/streaming/frame_ring.hpp>
 
 #include <algorithm>
 #include <array>
@@ -35,7 +36,7 @@ struct causal_stream_step<eight_bit_between<In, Out>, Features, Filters, Taps, D
     : detail::causal_product_step<In, Out, Features, Filters, Taps, Dilation, Rectified> {
 private:
     using product = detail::frames_product<In, Out, Taps, Features, Filters, Rectified>;
-    static constexpr std::size_t frames = (Taps - 1) * Dilation, stride = detail::frame_stride(Features);
+    static constexpr std::size_t stride = detail::frame_stride(Features);
     static_assert(Dilation > 0);
 
 public:
@@ -43,12 +44,8 @@ public:
     static constexpr std::size_t packed_elements =
         product::packed_elements + pad_to_cache_line<std::int8_t>(1);
 
-    /// The numbers of the frames before the present one less the zero of their range, in a ring; `next` is
-    /// the oldest.
-    struct state {
-        std::array<In, frames * Features> elements{};
-        std::uint32_t next = 0;
-    };
+    /// Its numbers are those of the frames less the zero of their range.
+    using state = detail::frame_ring<In, Features, Taps, Dilation>;
 
     static constexpr void pack(const float* folded, std::int8_t* packed) {
         product::pack(folded, packed);
@@ -59,21 +56,14 @@ public:
                     std::uint8_t* memory) noexcept {
         const int zero = detail::load_byte(packed + product::packed_elements);
         alignas(vector_alignment) std::array<In, pad_to_cache_line<In>(Taps * stride)> inputs{};
-        for (std::size_t tap = 0; tap + 1 < Taps; ++tap) {
-            // The frame (taps − 1 − tap) · dilation before the present one is this far after the oldest.
-            std::size_t frame = s.next + tap * Dilation;
-            if (frame >= frames)
-                frame -= frames;
+        for (std::size_t tap = 0; tap + 1 < Taps; ++tap)
             for (std::size_t f = 0; f < Features; ++f)
-                inputs[tap * stride + f] = static_cast<In>(s.elements[frame * Features + f] + zero);
-        }
+                inputs[tap * stride + f] = static_cast<In>(s.before(tap)[f] + zero);
         const auto* const present = reinterpret_cast<const In*>(in);
         std::copy_n(present, Features, inputs.data() + (Taps - 1) * stride);
-        if constexpr (frames > 0) {
-            for (std::size_t f = 0; f < Features; ++f)
-                s.elements[s.next * Features + f] = static_cast<In>(present[f] - zero);
-            s.next = s.next + 1 == frames ? 0 : s.next + 1;
-        }
+        In* const kept = s.replace_oldest();
+        for (std::size_t f = 0; f < Features; ++f)
+            kept[f] = static_cast<In>(present[f] - zero);
         product::run(packed, reinterpret_cast<const std::uint8_t*>(inputs.data()), out, memory);
     }
 };
