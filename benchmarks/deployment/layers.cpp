@@ -288,8 +288,8 @@ constexpr frame_convolution after(const frame_convolution& before, std::size_t s
 template <frame_convolution Before>
 inline constexpr std::size_t written_stride = convolution_step<eight_bit, Before>::output_stride;
 template <frame_convolution Before, extent2d Stride = 1>
-inline constexpr frame_convolution depthwise_after = after(Before, written_stride<Before>, Before.filters, 3,
-                                                           Stride, Before.filters);
+inline constexpr frame_convolution depthwise_after =
+    after(Before, written_stride<Before>, Before.filters, 3, Stride, Before.filters);
 template <frame_convolution Before, std::size_t Filters>
 inline constexpr frame_convolution pointwise_after = after(Before, written_stride<Before>, Filters, 1, 1, 1);
 template <shape Input, std::size_t Filters, extent2d Kernel, extent2d Stride, std::size_t Groups>

@@ -275,8 +275,7 @@ PAGE_FUNCTION(tiles) std::size_t tiles(std::size_t network) {
                 }
             };
             (append(std::type_identity<typename steps::template at<Index>>{}), ...);
-        }
-        (std::make_index_sequence<steps::size>{});
+        }(std::make_index_sequence<steps::size>{});
     });
     return count / 2;
 }

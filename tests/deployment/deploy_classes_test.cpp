@@ -33,15 +33,11 @@ static_assert(noexcept(std::declval<const fast_model&>().classify(std::declval<f
 
 /// The name would be gone: a model that ends with the expression recognises nothing.
 template <class Model>
-concept recognises_bytes = requires(Model m, byte_frame counts) {
-    std::forward<Model>(m).classify(counts);
-};
+concept recognises_bytes = requires(Model m, byte_frame counts) { std::forward<Model>(m).classify(counts); };
 static_assert(recognises_bytes<const fast_model&> && !recognises_bytes<fast_model>);
 // So would the weights.
 template <class Model>
-concept has_view = requires(Model m) {
-    std::forward<Model>(m).view();
-};
+concept has_view = requires(Model m) { std::forward<Model>(m).view(); };
 static_assert(has_view<const fast_model&> && !has_view<fast_model>);
 static_assert(std::is_convertible_v<const fast_model&, fast_model::view_type> &&
               !std::is_convertible_v<fast_model, fast_model::view_type>);

@@ -85,7 +85,9 @@ void place(stream what, int number, int usual) {
         (::setgroups(0, nullptr) != 0 || ::setgid(64'999) != 0 || ::setuid(64'999) != 0))
         ::_exit(126);
     for (const auto& [resource, most] : under.limits) {
-        const struct rlimit limit { most, most };
+        const struct rlimit limit {
+            most, most
+        };
         if (::setrlimit(static_cast<decltype(RLIMIT_AS)>(resource), &limit) != 0)
             ::_exit(126);
     }

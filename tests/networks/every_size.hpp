@@ -31,8 +31,8 @@ constexpr bool holds_in_rows(std::index_sequence<Row...>) {
 }
 /// Check<shape>::value at each of these sizes.
 template <template <tactnet::shape> class Check>
-inline constexpr bool
-    holds_at_every_size = holds_in_rows<Check>(std::make_index_sequence<largest_rows - smallest_rows + 1>{});
+inline constexpr bool holds_at_every_size =
+    holds_in_rows<Check>(std::make_index_sequence<largest_rows - smallest_rows + 1>{});
 
 /// Outputs of a pool with 'same' padding.
 constexpr std::size_t halved(std::size_t size, std::size_t stride = 2) {

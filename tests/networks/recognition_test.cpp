@@ -46,9 +46,7 @@ static_assert(!may_name<std::vector<std::string>>);
 
 // How many of the outputs stand for a class has to be said.
 template <class Outputs>
-concept guesses_classes = requires(const Outputs& outputs) {
-    tactnet::classify_logits(outputs);
-};
+concept guesses_classes = requires(const Outputs& outputs) { tactnet::classify_logits(outputs); };
 static_assert(!guesses_classes<std::array<float, 22>> && !guesses_classes<std::span<const float>>);
 
 TEST_CASE("recognition: the largest logit and its softmax") {

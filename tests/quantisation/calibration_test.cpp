@@ -156,8 +156,7 @@ TEST_CASE(
                  read.push_back(at - 2 * step::ranges);
          }()),
          ...);
-    }
-    (std::make_index_sequence<steps::size>{});
+    }(std::make_index_sequence<steps::size>{});
     REQUIRE(written.size() == calibration.maps());
     REQUIRE(read.size() == written.size());
     for (std::size_t m = 0; m < written.size(); ++m) {

@@ -42,8 +42,8 @@ candidate_list candidates_of(const evaluate_options& o) {
         }
     // A setting for some of the methods is no mistake of the others.
     const bool pretrained = std::ranges::any_of(
-                   chosen, [](const candidate&c) { return c.what->pretrained().has_value(); }),
-               network = std::ranges::any_of(chosen, [](const candidate&c) { return c.what->is_network(); });
+                   chosen, [](const candidate& c) { return c.what->pretrained().has_value(); }),
+               network = std::ranges::any_of(chosen, [](const candidate& c) { return c.what->is_network(); });
     for (candidate& c : chosen) {
         if (pretrained && !c.what->pretrained())
             c.training.pretrained.clear();

@@ -52,9 +52,8 @@ weight_file read_weight_file(const std::string& path) {
         }
     }
     const auto is_of_trunk = [](const std::string& name) { return name.starts_with(trunk_prefix); };
-    if (!source ||
-        std::ranges::none_of(
-            source->tensors(), is_of_trunk, [](const auto& tensor) -> const auto& { return tensor.first; }))
+    if (!source || std::ranges::none_of(source->tensors(), is_of_trunk,
+                                        [](const auto& tensor) -> const auto& { return tensor.first; }))
         return {tactnet::safetensors::read(path), nullptr};
     *source = tactnet::safetensors_source::open(path);
     tactnet::safetensors_writer rest;

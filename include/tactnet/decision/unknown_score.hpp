@@ -18,11 +18,10 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// features that its last layer reads. The larger, the less known; infinity for logits or features that are
 /// not finite.
 template <class Score>
-concept unknown_score = requires(const Score& score, std::span<const float> logits,
-                                 std::span<const float> features) {
-    { score(logits, features) }
-    noexcept->std::same_as<double>;
-};
+concept unknown_score =
+    requires(const Score& score, std::span<const float> logits, std::span<const float> features) {
+        { score(logits, features) } noexcept -> std::same_as<double>;
+    };
 
 /// The largest softmax output, as its negative logarithm (Hendrycks and Gimpel, 2017).
 struct softmax_score {

@@ -88,8 +88,8 @@ public:
 
     /// The input is (count − mean) × scale. Throws std::invalid_argument if the mean, the scale or a
     /// parameter is NaN, infinite or beyond 1e30 once batch norms are folded in.
-    deployed(const Network& network, std::span<const float, input_shape.size()> mean,
-             float scale) requires std::is_same_v<Format, single_precision>
+    deployed(const Network& network, std::span<const float, input_shape.size()> mean, float scale)
+        requires std::is_same_v<Format, single_precision>
         : folded_(view_type::folded_elements), packed_(view_type::packed_elements) {
         std::copy(mean.begin(), mean.end(), folded_.begin());
         folded_[input_shape.size()] = scale;
@@ -103,7 +103,8 @@ public:
         view_type::pack(folded_.data(), packed_.data());
     }
     /// A trained network with its normalisation and the names of its classes. Throws as set_classes, too.
-    explicit deployed(const model<Network>& trained) requires std::is_same_v<Format, single_precision>
+    explicit deployed(const model<Network>& trained)
+        requires std::is_same_v<Format, single_precision>
         : deployed(trained.network, trained.normalise.mean.view().elements(), trained.normalise.scale) {
         set_classes(trained.classes);
     }

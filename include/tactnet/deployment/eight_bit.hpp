@@ -56,10 +56,7 @@ template <class View>
     using last = typename View::steps::template at<View::steps::size - 1>;
     folded_layout layout{View::input_shape, View::outputs, View::steps_folded, View::steps_folded, false, {}};
     step_description<typename View::steps>::visit(detail::layout_visitor<typename View::steps>{layout, {}});
-    layout.ends_in_weights = requires {
-        last::weights;
-    }
-    &&last::output.area() == 1;
+    layout.ends_in_weights = requires { last::weights; } && last::output.area() == 1;
     return layout;
 }
 

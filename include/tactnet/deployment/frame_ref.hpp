@@ -14,7 +14,7 @@
 namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The result of a call. Check it: the outputs of a broken frame look like any others.
-enum class [[nodiscard]] frame_status{
+enum class [[nodiscard]] frame_status {
     ok,
     not_finite ///< NaN or infinity in the frame or in the outputs, or a number so large that sums in the
                ///< network might leave the range of single precision: the outputs mean nothing
@@ -40,9 +40,7 @@ inline constexpr std::size_t elements_of<std::span<T, Size>> = Size == std::dyna
 template <class Argument>
 inline constexpr shape shape_of{0, 0, 0};
 template <class Argument>
-    requires requires {
-        typename std::integral_constant<shape, Argument::extents>;
-    }
+    requires requires { typename std::integral_constant<shape, Argument::extents>; }
 inline constexpr shape shape_of<Argument> = Argument::extents;
 template <class T, std::size_t Rows, std::size_t Columns>
 inline constexpr shape shape_of<T[Rows][Columns]>{Rows, Columns};
@@ -57,9 +55,9 @@ template <class Argument>
         return std::type_identity<void>{};
     else if constexpr (std::is_array_v<plain>)
         return std::type_identity<std::remove_all_extents_t<plain>>{};
-    else if constexpr (requires(plain & argument) { *argument.data(); })
+    else if constexpr (requires(plain& argument) { *argument.data(); })
         return std::type_identity<std::remove_pointer_t<decltype(std::declval<plain&>().data())>>{};
-    else if constexpr (requires(plain & argument) { *argument; })
+    else if constexpr (requires(plain& argument) { *argument; })
         return std::type_identity<std::remove_reference_t<decltype(*std::declval<plain&>())>>{};
     else
         return std::type_identity<void>{};
@@ -69,7 +67,8 @@ using element_of = typename decltype(find_element<Argument>())::type;
 
 /// A type whose objects are frames of a shape: bytes or floats in one piece, known to be as many.
 template <class Frame, shape Shape>
-concept frame_of = is_count_or_float<std::remove_const_t<element_of<Frame>>> &&
+concept frame_of =
+    is_count_or_float<std::remove_const_t<element_of<Frame>>> &&
     (shape_of<std::remove_cv_t<Frame>> == Shape || elements_of<std::remove_cv_t<Frame>> == Shape.size());
 
 template <class Frame>
@@ -89,10 +88,8 @@ inline constexpr bool is_view<tensor_view<T, Shape>> = true;
 
 /// A contiguous container of bytes, of floats, or of frames that lie in it.
 template <class Frames, shape Shape, class Element = std::remove_cv_t<element_of<const Frames>>>
-concept frames_of = requires(const Frames& frames) {
-    frames.size();
-}
-&&(is_count_or_float<Element> || (frame_of<Element, Shape> && !is_view<Element>));
+concept frames_of = requires(const Frames& frames) { frames.size(); } &&
+                    (is_count_or_float<Element> || (frame_of<Element, Shape> && !is_view<Element>));
 
 } // namespace detail
 
@@ -128,8 +125,8 @@ template <shape Shape>
 class frames_ref {
 public:
     template <class Frames>
-        requires detail::frames_of<Frames, Shape> frames_ref(const Frames& frames)
-    noexcept : first_(frames.data()) {
+        requires detail::frames_of<Frames, Shape>
+    frames_ref(const Frames& frames) noexcept : first_(frames.data()) {
         using value = std::remove_cv_t<detail::element_of<const Frames>>;
         if constexpr (detail::is_count_or_float<value>) {
             counts_ = std::is_same_v<value, std::uint8_t>;

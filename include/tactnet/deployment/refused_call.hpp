@@ -21,8 +21,8 @@ template <std::size_t Elements, std::size_t ExpectedElements>
 concept frame_has_size = (Elements == ExpectedElements);
 template <std::size_t Rows, std::size_t Columns, std::size_t Channels, std::size_t ExpectedRows,
           std::size_t ExpectedColumns, std::size_t ExpectedChannels>
-concept frame_has_shape = (Rows == ExpectedRows) && (Columns == ExpectedColumns) &&
-                          (Channels == ExpectedChannels);
+concept frame_has_shape =
+    (Rows == ExpectedRows) && (Columns == ExpectedColumns) && (Channels == ExpectedChannels);
 template <class Element>
 concept outputs_have_type = std::is_same_v<Element, float>;
 template <std::size_t Elements, std::size_t ExpectedElements>
@@ -146,14 +146,13 @@ class refused_calls {
     static constexpr bool has_pool = (std::is_same_v<std::remove_cvref_t<Arguments>, thread_pool> || ...);
     template <class Frame, class To, class... Rest>
     static constexpr bool takes =
-        has_pool<Rest...> ? is_frames<Frame>&& std::is_convertible_v<To, std::span<float>>
-                          : is_frame<Frame>&& std::is_convertible_v<To, std::span<float, Outputs>>;
+        has_pool<Rest...> ? is_frames<Frame> && std::is_convertible_v<To, std::span<float>>
+                          : is_frame<Frame> && std::is_convertible_v<To, std::span<float, Outputs>>;
 
 public:
     template <class Frame, class To, class... Rest>
         requires(!takes<Frame, To, Rest...>)
-    frame_status infer(Frame&&, To&&, Rest&&...)
-    const noexcept {
+    frame_status infer(Frame&&, To&&, Rest&&...) const noexcept {
         if constexpr (has_pool<Rest...> && is_frames<Frame> && outputs_have_type<element_of<To>>)
             refuse_temporary_outputs<To>();
         else if constexpr (has_pool<Rest...> && is_frames<Frame>)
@@ -168,8 +167,7 @@ public:
     }
     template <class Frame, class... Rest>
         requires(has_pool<Rest...> ? !is_frames<Frame> : !is_frame<Frame>)
-    std::optional<recognition> classify(Frame&&, Rest&&...)
-    const noexcept {
+    std::optional<recognition> classify(Frame&&, Rest&&...) const noexcept {
         if constexpr (has_pool<Rest...>)
             refuse_frames<Frame, Input>();
         else

@@ -27,9 +27,9 @@ concept has_elements = (Found == Expected);
 namespace detail {
 
 template <class M>
-inline constexpr std::size_t matrix_elements = M::SizeAtCompileTime == Eigen::Dynamic
-                                                   ? std::dynamic_extent
-                                                   : static_cast<std::size_t>(M::SizeAtCompileTime);
+inline constexpr std::size_t matrix_elements =
+    M::SizeAtCompileTime == Eigen::Dynamic ? std::dynamic_extent
+                                           : static_cast<std::size_t>(M::SizeAtCompileTime);
 
 template <std::size_t Found, std::size_t Expected>
 constexpr void check_elements() {

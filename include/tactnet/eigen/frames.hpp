@@ -69,7 +69,7 @@ template <class M, shape Shape>
 
 /// Whether the type of a matrix determines its size and strides.
 template <class M>
-inline constexpr bool frame_is_known = M::SizeAtCompileTime != Eigen::Dynamic&& strides_are_known<M>;
+inline constexpr bool frame_is_known = M::SizeAtCompileTime != Eigen::Dynamic && strides_are_known<M>;
 
 template <class M, shape Shape>
 [[noreturn]] void refuse_frame(const M& matrix) {
@@ -150,9 +150,7 @@ namespace detail {
 
 /// A `tensor` that is no temporary.
 template <class Tensor>
-concept lasting_tensor = std::is_lvalue_reference_v<Tensor> && requires(Tensor frame) {
-    frame.view();
-};
+concept lasting_tensor = std::is_lvalue_reference_v<Tensor> && requires(Tensor frame) { frame.view(); };
 
 } // namespace detail
 
@@ -176,8 +174,7 @@ template <class T, shape Shape>
     constexpr shape plane{Shape.rows, Shape.columns};
     return [&]<std::size_t... Channel>(std::index_sequence<Channel...>) {
         return std::array{map_frame(tensor_view<T, plane>(frame.data() + Channel * plane.size()))...};
-    }
-    (std::make_index_sequence<Shape.channels>());
+    }(std::make_index_sequence<Shape.channels>());
 }
 /// As above, for a `tensor`, which must outlive the maps.
 template <class Tensor>

@@ -62,10 +62,10 @@ template <class M>
 
 /// Whether the type determines the result of lies_row_by_row().
 template <class M>
-inline constexpr bool strides_are_known = M::InnerStrideAtCompileTime != Eigen::Dynamic &&
-                                          (M::IsVectorAtCompileTime ||
-                                           (M::OuterStrideAtCompileTime != Eigen::Dynamic &&
-                                            M::ColsAtCompileTime != Eigen::Dynamic));
+inline constexpr bool strides_are_known =
+    M::InnerStrideAtCompileTime != Eigen::Dynamic &&
+    (M::IsVectorAtCompileTime ||
+     (M::OuterStrideAtCompileTime != Eigen::Dynamic && M::ColsAtCompileTime != Eigen::Dynamic));
 
 /// The requirements of every view on the type of a matrix.
 template <class M>
@@ -95,8 +95,8 @@ using coefficient = typename coefficient_of<M>::type;
 
 /// A number of coefficients as Eigen expresses it.
 template <std::size_t Count>
-inline constexpr int eigen_size = Count == static_cast<std::size_t>(-1) ? Eigen::Dynamic
-                                                                        : static_cast<int>(Count);
+inline constexpr int eigen_size =
+    Count == static_cast<std::size_t>(-1) ? Eigen::Dynamic : static_cast<int>(Count);
 
 } // namespace detail
 

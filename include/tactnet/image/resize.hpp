@@ -114,7 +114,7 @@ void resize(tensor_view<const std::uint8_t, From> from, tensor_view<float, To> t
 /// Resizes an image to counts, rounded and clamped to 0 … 255.
 template <shape From, shape To, class Kernel = keys_cubic<>, class Count>
     requires std::is_convertible_v<Count, tensor_view<const std::uint8_t, From>> ||
-        std::is_convertible_v<Count, tensor_view<const float, From>>
+             std::is_convertible_v<Count, tensor_view<const float, From>>
 void resize(const Count& from, tensor_view<std::uint8_t, To> to) {
     tensor<float, To> exact;
     resize<From, To, Kernel>(from, exact.view());

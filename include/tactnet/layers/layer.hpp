@@ -100,38 +100,39 @@ struct parameter : named_array {
 
 /// A specification bound to an input shape and a number type: constants and static functions, without state.
 template <class Layer, class T = typename Layer::value_type>
-concept layer = std::floating_point<T> &&
+concept layer =
+    std::floating_point<T> &&
     requires(const execution_context& context, const T* parameters, T* statistics,
              typename Layer::memory& memory, batch_view<const T, Layer::input, kernels::lanes<T>> in,
              batch_view<T, Layer::output, kernels::lanes<T>> out,
              batch_view<const T, Layer::output, kernels::lanes<T>> out_gradient,
              batch_view<T, Layer::input, kernels::lanes<T>> in_gradient, T* parameter_gradients,
              std::vector<parameter>& list) {
-    // Costs, as constants: learnable parameters, running statistics, multiply-adds of one sample.
-    { Layer::parameters + Layer::statistics + Layer::multiply_adds } -> std::convertible_to<std::size_t>;
-    { Layer::multiply_adds_on_pixels } -> std::convertible_to<std::size_t>;
-    // Whether it can write over its input. `backward` then must not need the input.
-    { Layer::in_place } -> std::convertible_to<bool>;
-    // Whether `backward` needs the output as the layer left it.
-    { Layer::keeps_output } -> std::convertible_to<bool>;
-    // Whether it processes a batch part by part (see part_layer).
-    { Layer::by_parts } -> std::convertible_to<bool>;
-    // Whether it must see all parts of the batch before it computes the first.
-    { Layer::observes } -> std::convertible_to<bool>;
-    // Appends the layer's arrays, with offsets from its first.
-    Layer::describe(std::string{}, list);
-    memory.resize(std::size_t{});
-    // Called once after parameters changed.
-    Layer::prepare(context, parameters, statistics, memory);
-    // Inference, with running statistics.
-    Layer::infer(context, parameters, statistics, memory, in, out);
-    // Training, with the statistics of the batch.
-    Layer::forward(context, parameters, statistics, memory, in, out);
-    // Sets the gradient of the input unless its view is null, and those of the parameters unless the layer
-    // works by parts.
-    Layer::backward(context, parameters, memory, in, out_gradient, out_gradient, in_gradient,
-                    parameter_gradients);
-};
+        // Costs, as constants: learnable parameters, running statistics, multiply-adds of one sample.
+        { Layer::parameters + Layer::statistics + Layer::multiply_adds } -> std::convertible_to<std::size_t>;
+        { Layer::multiply_adds_on_pixels } -> std::convertible_to<std::size_t>;
+        // Whether it can write over its input. `backward` then must not need the input.
+        { Layer::in_place } -> std::convertible_to<bool>;
+        // Whether `backward` needs the output as the layer left it.
+        { Layer::keeps_output } -> std::convertible_to<bool>;
+        // Whether it processes a batch part by part (see part_layer).
+        { Layer::by_parts } -> std::convertible_to<bool>;
+        // Whether it must see all parts of the batch before it computes the first.
+        { Layer::observes } -> std::convertible_to<bool>;
+        // Appends the layer's arrays, with offsets from its first.
+        Layer::describe(std::string{}, list);
+        memory.resize(std::size_t{});
+        // Called once after parameters changed.
+        Layer::prepare(context, parameters, statistics, memory);
+        // Inference, with running statistics.
+        Layer::infer(context, parameters, statistics, memory, in, out);
+        // Training, with the statistics of the batch.
+        Layer::forward(context, parameters, statistics, memory, in, out);
+        // Sets the gradient of the input unless its view is null, and those of the parameters unless the
+        // layer works by parts.
+        Layer::backward(context, parameters, memory, in, out_gradient, out_gradient, in_gradient,
+                        parameter_gradients);
+    };
 
 /// A layer that must see the whole batch before it computes any of it.
 template <class Layer, class T = typename Layer::value_type>
@@ -152,18 +153,17 @@ concept observing_layer = requires(const execution_context& context, typename La
 /// and `end_backward` sets the gradients of the parameters.
 template <class Layer, class T = typename Layer::value_type>
 concept part_layer = layer<Layer> && Layer::by_parts &&
-    (!Layer::observes || observing_layer<Layer>)&&requires(const execution_context& context,
-                                                           const T* parameters, T* statistics,
-                                                           typename Layer::memory& memory,
-                                                           std::size_t samples, T* parameter_gradients) {
-    Layer::begin_forward(context, statistics, memory, samples);
-    Layer::begin_backward(context, parameters, memory, samples);
-    Layer::end_backward(memory, parameter_gradients);
-};
+                     (!Layer::observes || observing_layer<Layer>)&&requires(
+                         const execution_context& context, const T* parameters, T* statistics,
+                         typename Layer::memory& memory, std::size_t samples, T* parameter_gradients) {
+                         Layer::begin_forward(context, statistics, memory, samples);
+                         Layer::begin_backward(context, parameters, memory, samples);
+                         Layer::end_backward(memory, parameter_gradients);
+                     };
 
 /// A layer that a list can hold.
 template <class Layer>
-concept listed_layer = part_layer<Layer> ||(layer<Layer> && !Layer::by_parts && !Layer::observes);
+concept listed_layer = part_layer<Layer> || (layer<Layer> && !Layer::by_parts && !Layer::observes);
 
 /// The memory of a layer that needs none.
 struct no_memory {

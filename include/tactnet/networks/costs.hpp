@@ -79,8 +79,7 @@ template <class Sizes, shape Least = shape{7, 13}, shape Most = shape{28, 50}>
     using table = size_table<Least, Most>;
     return []<std::size_t... Place>(std::index_sequence<Place...>) {
         return table{{costs_of_network<typename Sizes::template at<table::size_of(Place)>>...}};
-    }
-    (std::make_index_sequence<table::size>{});
+    }(std::make_index_sequence<table::size>{});
 }
 
 }} // namespace tactnet

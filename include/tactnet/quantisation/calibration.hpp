@@ -97,10 +97,9 @@ private:
 /// which set the activation ranges. Throws std::invalid_argument as eight_bit_calibration.
 template <class Format, class Network>
     requires std::is_same_v<Format, eight_bit>
-[[nodiscard]] deployed<Network, eight_bit> deploy(const Network& network,
-                                                  std::span<const float, Network::input_shape.size()> mean,
-                                                  float scale,
-                                                  const frames_ref<Network::input_shape>& images) {
+[[nodiscard]] deployed<Network, eight_bit>
+deploy(const Network& network, std::span<const float, Network::input_shape.size()> mean, float scale,
+       const frames_ref<Network::input_shape>& images) {
     return deployed<Network, eight_bit>(
         eight_bit_calibration<Network>(network, mean, scale, images).folded());
 }

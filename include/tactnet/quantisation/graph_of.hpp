@@ -29,9 +29,7 @@ public:
             [&]<class... Arguments>(const char*, const char*, const Arguments&... arguments) {
                 constexpr bool composed = (is_inner_step<Arguments> || ...);
                 if constexpr (!composed && requires { &Step::reference; }) {
-                    constexpr bool own_range = requires {
-                        Step::ranges;
-                    };
+                    constexpr bool own_range = requires { Step::ranges; };
                     output = add_operator<Step, own_range>(reference_own_step<Step>, input, into);
                 } else {
                     output = add<Step>(input, into, arguments...);

@@ -63,13 +63,14 @@ struct ignore_frames {
 
 /// A source of frames. `push` and `finish` call the sink once per complete frame; `finish` ends the source.
 template <class Decoder>
-concept frame_decoder = std::movable<Decoder> &&
+concept frame_decoder =
+    std::movable<Decoder> &&
     requires(Decoder decoder, const Decoder& constant, std::span<const std::byte> bytes, ignore_frames sink) {
-    { decoder.push(bytes, sink) } -> std::same_as<decode_status>;
-    { decoder.finish(sink) } -> std::same_as<decode_status>;
-    { constant.description() } -> std::same_as<const recording_description&>;
-    { constant.error() } -> std::same_as<const decoding_error&>;
-};
+        { decoder.push(bytes, sink) } -> std::same_as<decode_status>;
+        { decoder.finish(sink) } -> std::same_as<decode_status>;
+        { constant.description() } -> std::same_as<const recording_description&>;
+        { constant.error() } -> std::same_as<const decoding_error&>;
+    };
 
 /// Base class of decoders, also of your own.
 class decoder_base {

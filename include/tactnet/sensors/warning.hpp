@@ -37,8 +37,10 @@ public:
 
     warning_text() noexcept = default;
     template <class... Parts>
-        requires((std::is_arithmetic_v<Parts> || std::convertible_to<Parts, std::string_view>)&&...)
-    explicit warning_text(Parts... parts) noexcept { (append(parts), ...); }
+        requires((std::is_arithmetic_v<Parts> || std::convertible_to<Parts, std::string_view>) && ...)
+    explicit warning_text(Parts... parts) noexcept {
+        (append(parts), ...);
+    }
 
     [[nodiscard]] std::string_view view() const noexcept { return {letters_.data(), size_}; }
     friend bool operator==(const warning_text& a, const warning_text& b) noexcept {

@@ -78,16 +78,14 @@ using signal = tensor_view<float, Shape>;
 /// A bound effect that changes a frame in place.
 template <class Bound, shape Shape>
 concept in_place_effect = requires(Bound bound, signal<Shape> values, const moment& now) {
-    { bound.apply(values, now) }
-    noexcept;
+    { bound.apply(values, now) } noexcept;
 };
 /// A bound effect whose result has another shape.
 template <class Bound, shape From, shape To>
-concept reshaping_effect = requires(Bound bound, tensor_view<const float, From> from, signal<To> to,
-                                    const moment& now) {
-    { bound.apply(from, to, now) }
-    noexcept;
-};
+concept reshaping_effect =
+    requires(Bound bound, tensor_view<const float, From> from, signal<To> to, const moment& now) {
+        { bound.apply(from, to, now) } noexcept;
+    };
 
 /// An effect declares its stage.
 template <class Effect>

@@ -166,8 +166,7 @@ public:
     void use(sensor_unit unit) {
         [&]<std::size_t... Index>(std::index_sequence<Index...>) {
             (change<Index>(unit), ...);
-        }
-        (std::index_sequence_for<Effects...>{});
+        }(std::index_sequence_for<Effects...>{});
     }
 
 private:

@@ -24,7 +24,8 @@ public:
     static_assert(Features > 0, "a sample has at least one feature");
 
     /// Throws std::invalid_argument unless the values are a whole number of rows.
-    explicit feature_rows(std::span<const float> values) requires(Features != dynamic_features)
+    explicit feature_rows(std::span<const float> values)
+        requires(Features != dynamic_features)
         : feature_rows(values, Features) {}
     feature_rows(std::span<const float> values, std::size_t features) : values_(values), features_(features) {
         if ((Features != dynamic_features && features != Features) || features == 0 ||
@@ -38,7 +39,9 @@ public:
         requires(!borrowed_range<Values> && std::is_constructible_v<std::span<const float>, Values>)
     explicit feature_rows(Values&&, std::size_t = Features) = delete; // values of a temporary: give it a name
     /// As rows of any number of features.
-    operator feature_rows<dynamic_features>() const requires(Features != dynamic_features) {
+    operator feature_rows<dynamic_features>() const
+        requires(Features != dynamic_features)
+    {
         return {values_, features_};
     }
 

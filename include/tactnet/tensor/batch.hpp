@@ -25,8 +25,8 @@ public:
     static constexpr std::size_t lane_block_size = Shape.size() * Lanes;
 
     constexpr batch_view(T* data, std::size_t samples) : data_(data), samples_(samples) {}
-    constexpr batch_view(
-        const batch_view<std::remove_const_t<T>, Shape, Lanes>& other) requires std::is_const_v<T>
+    constexpr batch_view(const batch_view<std::remove_const_t<T>, Shape, Lanes>& other)
+        requires std::is_const_v<T>
         : data_(other.data()), samples_(other.samples()) {}
     constexpr batch_view(const batch_view&) = default;
     constexpr batch_view& operator=(const batch_view&) = default;

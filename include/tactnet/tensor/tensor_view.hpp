@@ -25,11 +25,12 @@ public:
 
     constexpr explicit tensor_view(std::span<T, Shape.size()> elements) : data_(elements.data()) {}
     constexpr explicit tensor_view(T* elements) : data_(elements) {}
-    constexpr tensor_view(const tensor_view<std::remove_const_t<T>, Shape>& other) requires std::is_const_v<T>
+    constexpr tensor_view(const tensor_view<std::remove_const_t<T>, Shape>& other)
+        requires std::is_const_v<T>
         : data_(other.data()) {}
     /// Views an array of that many elements.
-    constexpr tensor_view(
-        const std::array<std::remove_const_t<T>, Shape.size()>& elements) requires std::is_const_v<T>
+    constexpr tensor_view(const std::array<std::remove_const_t<T>, Shape.size()>& elements)
+        requires std::is_const_v<T>
         : data_(elements.data()) {}
     constexpr tensor_view(const tensor_view&) = default;
     constexpr tensor_view& operator=(const tensor_view&) = default;
@@ -51,9 +52,7 @@ private:
 /// A view of elements whose number is only known at run time, such as a std::vector or a dynamic std::span;
 /// std::nullopt unless there are exactly `Shape.size()` of them.
 template <shape Shape, class Range>
-    requires borrowed_range<Range> && requires(Range& elements) {
-        std::span(elements);
-    }
+    requires borrowed_range<Range> && requires(Range& elements) { std::span(elements); }
 [[nodiscard]] constexpr auto try_view(Range&& elements) noexcept {
     const auto all = std::span(elements);
     using view = tensor_view<typename decltype(all)::element_type, Shape>;

@@ -70,9 +70,8 @@ template <std::floating_point T>
 namespace detail {
 
 template <class T>
-concept written_by_standard_library = requires(char* text, T value) {
-    std::to_chars(text, text, value, std::chars_format::fixed);
-};
+concept written_by_standard_library =
+    requires(char* text, T value) { std::to_chars(text, text, value, std::chars_format::fixed); };
 
 /// Writes `value` by the printf format "%.*f" or "%.*e", with the fewest digits after the point that read as
 /// the same number again. Returns the end, or `begin` if the text does not fit.

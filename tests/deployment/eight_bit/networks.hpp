@@ -110,8 +110,7 @@ std::size_t steps_that_differ(std::span<const float> all_folded, std::span<const
     };
     [&]<std::size_t... I>(std::index_sequence<I...>) {
         (one(std::type_identity<typename steps::template at<I>>{}), ...);
-    }
-    (std::make_index_sequence<steps::size>{});
+    }(std::make_index_sequence<steps::size>{});
     return different;
 }
 

@@ -39,12 +39,8 @@ class flush_to_zero {
 public:
 #if defined(__SSE__)
     static constexpr bool available = true;
-    flush_to_zero() : before_(_mm_getcsr()) {
-        _mm_setcsr(before_ | 0x8040u);
-    }
-    ~flush_to_zero() {
-        _mm_setcsr(before_);
-    }
+    flush_to_zero() : before_(_mm_getcsr()) { _mm_setcsr(before_ | 0x8040u); }
+    ~flush_to_zero() { _mm_setcsr(before_); }
 
 private:
     unsigned before_;

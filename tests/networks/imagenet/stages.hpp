@@ -142,8 +142,7 @@ private:
                       tactnet::joined_name(name, std::string(Specs::name)), std::move(x))),
                  ...);
                 return std::move(x);
-            }
-            (std::index_sequence_for<Specs...>{});
+            }(std::index_sequence_for<Specs...>{});
         }
     };
     template <class Spec, class Layer>

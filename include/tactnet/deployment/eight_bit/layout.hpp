@@ -76,7 +76,7 @@ part_name(const std::string& name, const char* part, std::size_t place = 0) {
 /// Rounds weights to whole multiples of their scales, as packing does, so that a file restores them.
 [[gnu::cold]] inline void round_weights(const folded_layout& layout, std::span<float> folded) {
     for (const folded_step& step : layout.steps)
-        if (const auto* const weights = step.find("weight"), * const scales = step.find("scale");
+        if (const auto *const weights = step.find("weight"), *const scales = step.find("scale");
             weights != nullptr && scales != nullptr) {
             const std::size_t of_one = weights->size / scales->size;
             for (std::size_t i = 0; i < weights->size; ++i) {

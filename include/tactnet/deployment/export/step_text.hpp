@@ -144,9 +144,7 @@ template <activation_function Function>
 
 /// The cell of a recurrent layer.
 template <class Cell>
-    requires requires {
-        Cell::gates;
-    }
+    requires requires { Cell::gates; }
 [[nodiscard]] std::string text_of(std::type_identity<Cell>) {
     return Cell::type;
 }

@@ -133,9 +133,7 @@ struct lowered_softmax {
     static void fold(const parameter_source& list, float* to) { Lowered::fold(list, to); }
 };
 template <class Lowered>
-    requires requires {
-        typename Lowered::as_output;
-    }
+    requires requires { typename Lowered::as_output; }
 struct lowered_softmax<Lowered> {
     using step = softmax_not_last<typename Lowered::step>;
     struct as_output {

@@ -86,14 +86,10 @@ struct not_fused {};
 
 /// A layer that does nothing in inference.
 template <class Spec>
-concept inference_no_op = requires {
-    requires lowering<Spec>::inference_no_op;
-};
+concept inference_no_op = requires { requires lowering<Spec>::inference_no_op; };
 /// A ReLU.
 template <class Spec>
-concept rectifies = requires {
-    requires lowering<Spec>::rectifies;
-};
+concept rectifies = requires { requires lowering<Spec>::rectifies; };
 /// An activation function that a convolution of this number format, with so many filters, may compute in its
 /// epilogue. If the function moves zero, filters must fill the vectors of every instruction set: the steps of
 /// a network must not depend on it.
@@ -101,15 +97,13 @@ template <class Spec, class Format, std::size_t Filters>
 concept activates = requires {
     { lowering<Spec>::activation } -> std::convertible_to<const kernels::fused_activation*>;
     requires lowering<Spec>::activation->rectifies ||
-        (Format::fuses_functions && (!lowering<Spec>::activation->moves_zero || Filters % 16 == 0));
+                 (Format::fuses_functions && (!lowering<Spec>::activation->moves_zero || Filters % 16 == 0));
 };
 /// The factor and the offset that a layer applies to each channel.
 template <class Spec, class Place>
 using channel_constants = typename lowering<Spec>::template channels<Place>;
 template <class Spec, class Place>
-concept scales_channels = requires {
-    sizeof(channel_constants<Spec, Place>);
-};
+concept scales_channels = requires { sizeof(channel_constants<Spec, Place>); };
 template <class Spec, class Place>
 concept takes_maximum = requires {
     { lowering<Spec>::template maximum<Place> } -> std::convertible_to<sliding_window>;
@@ -117,16 +111,13 @@ concept takes_maximum = requires {
 
 /// Whether a layer is applied to the outputs of the lowered layer before it, in its step.
 template <class Lowered, class Spec, class Place>
-concept fuses_output = Place::format::has_output_format && requires {
-    sizeof(typename lowering<Spec>::template output_fused<Lowered>);
-};
+concept fuses_output = Place::format::has_output_format &&
+                       requires { sizeof(typename lowering<Spec>::template output_fused<Lowered>); };
 
 /// Whether a lowered layer fuses the layer after it.
 template <class Lowered, class Spec, class Place>
-concept fuses = requires {
-    Lowered::template fuse<Spec, Place>();
-}
-&&!std::is_same_v<decltype(Lowered::template fuse<Spec, Place>()), not_fused>;
+concept fuses = requires { Lowered::template fuse<Spec, Place>(); } &&
+                !std::is_same_v<decltype(Lowered::template fuse<Spec, Place>()), not_fused>;
 
 /// The result of `fuse` in a lowered layer that fuses a ReLU and nothing else: `Rectified` includes it.
 template <class Spec, class Rectified>
@@ -139,8 +130,6 @@ template <class Spec, class Rectified>
 
 /// A layer that can be deployed.
 template <class Spec>
-concept has_lowering = inference_no_op<Spec> || requires {
-    sizeof(lowering<Spec>);
-};
+concept has_lowering = inference_no_op<Spec> || requires { sizeof(lowering<Spec>); };
 
 }} // namespace tactnet

@@ -30,9 +30,7 @@ struct lowered_chain {
 namespace detail {
 
 template <class Lowered, std::size_t Stride, std::size_t Offset>
-concept writes_into_slice = requires {
-    requires Lowered::template fits_slice<Stride, Offset>;
-};
+concept writes_into_slice = requires { requires Lowered::template fits_slice<Stride, Offset>; };
 
 // Changes of the last layer of a list.
 template <bool IsOutput>

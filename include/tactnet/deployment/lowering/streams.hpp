@@ -26,9 +26,7 @@ struct stream_lowering;
 
 /// Whether `deploy_stream` can run the layer frame by frame.
 template <class Spec, shape Input, class Format = single_precision>
-concept runs_in_streams = requires {
-    sizeof(stream_lowering<Spec, Input, Format>);
-};
+concept runs_in_streams = requires { sizeof(stream_lowering<Spec, Input, Format>); };
 
 namespace detail {
 
@@ -52,8 +50,8 @@ template <class Main, class Skip>
 inline constexpr bool remembers_frames<residual<Main, Skip>> =
     remembers_frames<tactnet::as_sequence<Main>> || remembers_frames<tactnet::as_sequence<Skip>>;
 template <class... Specs>
-inline constexpr bool
-    remembers_frames<sequence<Specs...>> = (remembers_frames<tactnet::without_name<Specs>> || ...);
+inline constexpr bool remembers_frames<sequence<Specs...>> =
+    (remembers_frames<tactnet::without_name<Specs>> || ...);
 
 /// Whether a layer is `last_frame`, or a list or a residual block with it.
 template <class Spec>
@@ -62,8 +60,8 @@ template <class Main, class Skip>
 inline constexpr bool takes_last_frame<residual<Main, Skip>> =
     takes_last_frame<tactnet::as_sequence<Main>> || takes_last_frame<tactnet::as_sequence<Skip>>;
 template <class... Specs>
-inline constexpr bool
-    takes_last_frame<sequence<Specs...>> = (takes_last_frame<tactnet::without_name<Specs>> || ...);
+inline constexpr bool takes_last_frame<sequence<Specs...>> =
+    (takes_last_frame<tactnet::without_name<Specs>> || ...);
 
 /// A layer with the ReLU after it, in one step, in formats where this saves something.
 template <class Spec>
@@ -134,8 +132,7 @@ struct checked_stream_step {
 };
 template <class Spec, shape Input, class Format>
     requires runs_in_streams<Spec, Input, Format>
-struct checked_stream_step<Spec, Input, Format> : stream_lowering<Spec, Input, Format> {
-};
+struct checked_stream_step<Spec, Input, Format> : stream_lowering<Spec, Input, Format> {};
 
 /// Rejects a list with memory after the last frame of a sequence: a stream has no end.
 template <class Spec, class... Rest>

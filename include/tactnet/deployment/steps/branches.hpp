@@ -187,7 +187,7 @@ public:
     static constexpr bool layerwise = (Branches::step::layerwise || ...);
     /// Only if all branches write their slices of the map.
     template <class Executor>
-        requires((aside<Branches> == 0 && !passes_input_on<Branches>)&&...)
+        requires((aside<Branches> == 0 && !passes_input_on<Branches>) && ...)
     static void run_batch(const packed_number* packed_values, const activation* in, std::size_t in_distance,
                           activation* out, activation* memory, const Executor& executor) {
         ((detail::run_batch<typename Branches::step>(packed_values, in, in_distance, out, memory, executor),

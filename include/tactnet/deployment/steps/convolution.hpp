@@ -71,13 +71,17 @@ struct convolution_step<single_precision, Kernel>
     }
     /// The share of one thread in a job.
     static void run_share(const float* packed_values, const float* in, float* out, float* workspace,
-                          const kernels::layerwise_job& job) noexcept requires layerwise {
+                          const kernels::layerwise_job& job) noexcept
+        requires layerwise
+    {
         method::run_share(packed_values, in, out + Kernel.map_offset, workspace, job);
     }
     /// Several frames in each call of the method while every thread has so many, then the others one by one.
     template <class Executor>
     static void run_batch(const float* packed_values, const float* in, std::size_t in_distance, float* out,
-                          float* workspace, const Executor& executor) requires(method::frames_together > 1) {
+                          float* workspace, const Executor& executor)
+        requires(method::frames_together > 1)
+    {
         constexpr std::size_t some = method::frames_together,
                               out_distance = detail::map_distance<convolution_step>;
         const std::size_t calls = Executor::max_frames >= some && executor.frames >= some * executor.threads()
@@ -137,7 +141,9 @@ struct dense_step<single_precision, Kernel>
     /// As many frames as registers allow read each weight once.
     template <class Executor>
     static void run_batch(const float* packed_values, const float* in, std::size_t in_distance, float* out,
-                          float*, const Executor& executor) requires(!layerwise) {
+                          float*, const Executor& executor)
+        requires(!layerwise)
+    {
         constexpr std::size_t out_distance = detail::map_distance<dense_step>, most = method::frames_together;
         executor.pool.for_each(detail::ceil_div(executor.frames, most), [&](std::size_t call) {
             const std::size_t first = call * most, count = std::min(most, executor.frames - first);
@@ -147,7 +153,9 @@ struct dense_step<single_precision, Kernel>
     }
     /// The share of one thread in a job.
     static void run_share(const float* packed_values, const float* in, float* out, float* workspace,
-                          const kernels::layerwise_job& job) noexcept requires layerwise {
+                          const kernels::layerwise_job& job) noexcept
+        requires layerwise
+    {
         method::run_share(packed_values, in, out, workspace, job);
     }
 };

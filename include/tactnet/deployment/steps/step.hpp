@@ -78,15 +78,13 @@ concept deployed_step = requires(const float* folded, typename Step::format::pac
     { Step::output } -> std::convertible_to<shape>;
     {
         Step::output_stride + Step::folded_elements + Step::packed_elements + Step::workspace_elements
-        } -> std::convertible_to<std::size_t>;
+    } -> std::convertible_to<std::size_t>;
     { Step::layerwise || Step::fills_map || Step::gives_probabilities } -> std::convertible_to<bool>;
     Step::pack(folded, to);
-    { Step::run(packed, in, out, out) }
-    noexcept;
-}
-&&(!std::same_as<typename Step::format, single_precision> || requires(const float* folded) {
-    { Step::output_bound(folded, 1.0) } -> std::same_as<double>;
-});
+    { Step::run(packed, in, out, out) } noexcept;
+} && (!std::same_as<typename Step::format, single_precision> || requires(const float* folded) {
+                            { Step::output_bound(folded, 1.0) } -> std::same_as<double>;
+                        });
 
 /// The base of steps that write a map of this shape. It has no parameters: steps with parameters hide its
 /// members. A step whose outputs can exceed its inputs defines an output_bound of its own.

@@ -70,26 +70,25 @@ image_set load_images(const image_folder& folder, std::size_t rows, std::size_t 
 /// Loads all images, each of which must have `rows` x `columns` pixels. `decode(path)` returns a grey_image
 /// or throws. Throws file_error with the name of the first image of another size.
 template <class Decoder>
-    requires std::is_invocable_r_v<grey_image, Decoder&, const std::filesystem::path&> image_set
-    load_images(const image_folder& folder, std::size_t rows, std::size_t columns, Decoder decode) {
-        return detail::load_images(
-            folder, rows, columns, decode,
-            [&](const grey_image& image, const std::filesystem::path& path) -> grey_image {
-                throw file_error(path.string(), "", detail::size_text(rows, columns),
-                                 detail::size_text(image.rows, image.columns));
-            });
-    }
+    requires std::is_invocable_r_v<grey_image, Decoder&, const std::filesystem::path&>
+image_set load_images(const image_folder& folder, std::size_t rows, std::size_t columns, Decoder decode) {
+    return detail::load_images(folder, rows, columns, decode,
+                               [&](const grey_image& image, const std::filesystem::path& path) -> grey_image {
+                                   throw file_error(path.string(), "", detail::size_text(rows, columns),
+                                                    detail::size_text(image.rows, image.columns));
+                               });
+}
 
 /// Loads all images; `resize(image)` returns images of another size in `rows` x `columns` pixels.
 template <class Decoder, class Resizer>
     requires std::is_invocable_r_v<grey_image, Decoder&, const std::filesystem::path&> &&
-        std::is_invocable_r_v<grey_image, Resizer&, grey_image>
-            image_set load_images(const image_folder& folder, std::size_t rows, std::size_t columns,
-                                  Decoder decode, Resizer resize) {
-        return detail::load_images(folder, rows, columns, decode,
-                                   [&](grey_image image, const std::filesystem::path&) -> grey_image {
-                                       return resize(std::move(image));
-                                   });
-    }
+             std::is_invocable_r_v<grey_image, Resizer&, grey_image>
+image_set load_images(const image_folder& folder, std::size_t rows, std::size_t columns, Decoder decode,
+                      Resizer resize) {
+    return detail::load_images(folder, rows, columns, decode,
+                               [&](grey_image image, const std::filesystem::path&) -> grey_image {
+                                   return resize(std::move(image));
+                               });
+}
 
 }} // namespace tactnet

@@ -80,7 +80,8 @@ constexpr std::optional<element_type> find_element_type(std::string_view name) n
 
 /// Arithmetic types that a file can hold bit by bit.
 template <class T>
-concept storable = std::is_same_v<T, float> || std::is_same_v<T, double> || std::is_same_v<T, std::uint8_t> ||
+concept storable =
+    std::is_same_v<T, float> || std::is_same_v<T, double> || std::is_same_v<T, std::uint8_t> ||
     std::is_same_v<T, std::int8_t> || std::is_same_v<T, std::uint16_t> || std::is_same_v<T, std::int16_t> ||
     std::is_same_v<T, std::uint32_t> || std::is_same_v<T, std::int32_t> || std::is_same_v<T, std::uint64_t> ||
     std::is_same_v<T, std::int64_t>;

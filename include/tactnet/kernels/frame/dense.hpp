@@ -49,8 +49,8 @@ inline constexpr std::size_t dense_parts = std::max<std::size_t>(8 / Vectors, 1)
 
 /// Frames whose sums fit the registers together, so that they share each weight that is read.
 template <frame_dense D>
-inline constexpr std::size_t
-    dense_frames = std::max<std::size_t>(max_block_sums / (dense_parts<D> * D.block_vectors()), 1);
+inline constexpr std::size_t dense_frames =
+    std::max<std::size_t>(max_block_sums / (dense_parts<D> * D.block_vectors()), 1);
 
 /// output = bias + weights · input, for frames whose inputs and outputs lie so many elements apart. The bits
 /// do not depend on the number of frames.

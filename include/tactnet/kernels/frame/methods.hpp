@@ -79,7 +79,9 @@ struct separate_groups_method : frame_method {
                         out + group * filters, workspace);
     }
     static void run_share(const float* packed, const float* in, float* out, float* workspace,
-                          const layerwise_job& job) noexcept requires layerwise {
+                          const layerwise_job& job) noexcept
+        requires layerwise
+    {
         for (std::size_t group = 0; group < C.groups; ++group)
             method::run_share(packed + group * method::packed_elements, in + group * channels,
                               out + group * filters, workspace, job);

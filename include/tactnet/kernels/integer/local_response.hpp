@@ -21,8 +21,9 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// The exponents of a local response normalisation that square roots compute.
 template <class Beta>
-concept exponent_of_roots = std::ratio_equal_v<Beta, std::ratio<1, 2>> ||
-    std::ratio_equal_v<Beta, std::ratio<3, 4>> || std::ratio_equal_v<Beta, std::ratio<1>>;
+concept exponent_of_roots =
+    std::ratio_equal_v<Beta, std::ratio<1, 2>> || std::ratio_equal_v<Beta, std::ratio<3, 4>> ||
+    std::ratio_equal_v<Beta, std::ratio<1>>;
 
 /// The numbers with which responses in bytes are normalised.
 struct byte_response_constants {

@@ -24,9 +24,8 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 /// A vector of floats: sized_vector<float, N> of any N.
 template <class Vector>
-concept float_vector = std::same_as<typename Vector::value_type, float> && requires {
-    typename Vector::batch_bool_type;
-};
+concept float_vector =
+    std::same_as<typename Vector::value_type, float> && requires { typename Vector::batch_bool_type; };
 
 namespace detail {
 

@@ -54,9 +54,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 namespace detail {
 
 template <class Function>
-concept takes_vectors = requires {
-    requires Function::takes_vectors;
-};
+concept takes_vectors = requires { requires Function::takes_vectors; };
 /// What the functions take in single precision.
 template <class Function>
 using activation_number = std::conditional_t<takes_vectors<Function>, kernels::vector<float>, float>;
@@ -115,17 +113,11 @@ template <class Function>
     }
 }
 template <class Function>
-concept moves_zero = requires {
-    requires Function::moves_zero;
-};
+concept moves_zero = requires { requires Function::moves_zero; };
 template <class Function>
-concept in_registers = requires {
-    requires Function::in_registers;
-};
+concept in_registers = requires { requires Function::in_registers; };
 template <class Function>
-concept monotonic = requires {
-    requires Function::monotonic;
-};
+concept monotonic = requires { requires Function::monotonic; };
 /// A bound of |value(x)|; infinite if there is none.
 template <class Function>
 [[nodiscard]] constexpr double largest_value() {
@@ -155,9 +147,8 @@ template <class Function>
 [[nodiscard]] constexpr kernels::fused_activation describe_fused() {
     kernels::fused_activation fused;
     if constexpr (takes_vectors<Function>) {
-        constexpr bool every_width = requires(kernels::sized_vector<float, kernels::min_lanes<float>> x) {
-            Function::value(x);
-        };
+        constexpr bool every_width =
+            requires(kernels::sized_vector<float, kernels::min_lanes<float>> x) { Function::value(x); };
         static_assert(every_width,
                       "activation: a function that says takes_vectors takes vectors of every width, so that "
                       "value is a template");

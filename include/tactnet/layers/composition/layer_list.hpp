@@ -21,9 +21,7 @@ namespace detail {
 
 /// Whether a list gives its layer a name (named.hpp).
 template <class Spec>
-concept has_given_name = requires {
-    requires Spec::has_given_name;
-};
+concept has_given_name = requires { requires Spec::has_given_name; };
 
 // Descriptions of networks are rare calls: the functions below compile once for all networks.
 
@@ -118,8 +116,7 @@ public:
                   detail::has_given_name<Specs>, [](const std::string& name, std::vector<parameter>& to) {
                       at<I>::describe(name, to);
                   }}...}};
-        }
-        (std::index_sequence_for<Specs...>{});
+        }(std::index_sequence_for<Specs...>{});
         detail::describe_list(layers, offsets.data(), prefix, list);
     }
 };
@@ -141,8 +138,7 @@ class stages {
     };
     static constexpr auto layers = []<std::size_t... I>(std::index_sequence<I...>) {
         return std::array<flags, size>{{{List::template at<I>::by_parts, List::template at<I>::observes}...}};
-    }
-    (std::make_index_sequence<size>{});
+    }(std::make_index_sequence<size>{});
 
     /// Whether one of layer i and its predecessor must finish a batch before `next`, the other one, begins.
     static constexpr bool waits(std::size_t i, std::size_t next) {

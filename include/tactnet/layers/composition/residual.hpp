@@ -13,8 +13,8 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 
 template <std::size_t MainRows, std::size_t MainColumns, std::size_t MainChannels, std::size_t SkipRows,
           std::size_t SkipColumns, std::size_t SkipChannels>
-concept branches_agree = (MainRows == SkipRows) && (MainColumns == SkipColumns) &&
-                         (MainChannels == SkipChannels);
+concept branches_agree =
+    (MainRows == SkipRows) && (MainColumns == SkipColumns) && (MainChannels == SkipChannels);
 
 namespace detail {
 

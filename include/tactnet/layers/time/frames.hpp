@@ -18,9 +18,7 @@ concept one_column = Columns == 1;
 
 /// A layer that needs a sequence, and that `deploy_stream` can run frame by frame.
 template <class Spec>
-concept layer_of_sequences = requires {
-    requires Spec::takes_sequences;
-};
+concept layer_of_sequences = requires { requires Spec::takes_sequences; };
 
 namespace detail {
 

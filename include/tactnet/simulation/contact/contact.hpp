@@ -48,8 +48,7 @@ struct contact_report {
 template <class Bound, shape Shape>
 concept bound_contact_model = requires(Bound bound, tensor_view<const float, Shape> heights,
                                        const pressing& press, signal<Shape> pressures) {
-    { bound.solve(heights, press, pressures) }
-    noexcept->std::same_as<contact_report>;
+    { bound.solve(heights, press, pressures) } noexcept -> std::same_as<contact_report>;
 };
 
 /// A contact model has a class template `bound<shape>`.

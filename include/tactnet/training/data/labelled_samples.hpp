@@ -54,8 +54,7 @@ public:
     /// The elements of a temporary would be gone.
     template <class Range>
         requires(!borrowed_range<Range>)
-    borrowed_span(const Range&&)
-    = delete;
+    borrowed_span(const Range&&) = delete;
 };
 
 namespace detail {
@@ -158,7 +157,7 @@ public:
     /// neither a class nor no_class, or if the number of values does not match the labels and the input.
     void check(shape input, std::size_t outputs) const {
         const std::size_t expected = size() * input.size(),
-                          found = std::visit([](const auto&numbers) { return numbers.size(); }, numbers_);
+                          found = std::visit([](const auto& numbers) { return numbers.size(); }, numbers_);
         if (classes_ == 0 || classes_ > outputs)
             refuse({"1 to ", outputs, " classes"}, {classes_});
         if (found != expected)

@@ -12,9 +12,7 @@
 namespace tactnet { inline namespace TACTNET_ARCH {
 
 template <class Cell, std::size_t Hidden, shape Input, class In, class Out>
-    requires requires {
-        sizeof(detail::word_cell<Cell>);
-    }
+    requires requires { sizeof(detail::word_cell<Cell>); }
 struct stream_lowering<recurrent<Cell, Hidden>, Input, eight_bit_between<In, Out>> {
     using step = recurrent_stream_step<eight_bit_between<In, Out>, Cell, Input.channels, Hidden>;
 };

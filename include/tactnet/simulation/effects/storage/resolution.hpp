@@ -33,7 +33,9 @@ struct resolution {
                 count = std::floor(kept + 0.5f);
             }
         }
-        void apply(signal<Shape>, const moment&) const noexcept requires(Shape == resized) {}
+        void apply(signal<Shape>, const moment&) const noexcept
+            requires(Shape == resized)
+        {}
 
     private:
         float last_;
