@@ -13,6 +13,19 @@ function(tactnet_library_tests)
     endif()
 endfunction()
 
+# tactnet_python_test(name script argument...): a test by a script of this folder, which reports 77 to be skipped. Without
+# Python it is skipped and says so.
+find_package(Python3 3.7 QUIET COMPONENTS Interpreter)
+function(tactnet_python_test name script)
+    if(Python3_Interpreter_FOUND)
+        add_test(NAME ${name} COMMAND Python3::Interpreter "${CMAKE_CURRENT_SOURCE_DIR}/${script}" ${ARGN})
+        set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
+    else()
+        add_test(NAME ${name} COMMAND "${CMAKE_COMMAND}" -E echo "skipped: needs python3")
+        set_tests_properties(${name} PROPERTIES SKIP_REGULAR_EXPRESSION "skipped:")
+    endif()
+endfunction()
+
 # tactnet_test_level(target optimised|quick|unoptimised): compiles a part of a test at its own level, at -O1, or at -O0.
 function(tactnet_test_level target level)
     tactnet_use(${target})

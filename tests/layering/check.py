@@ -1,0 +1,283 @@
+"""Rules of the source tree: which room may include which, what pictures of the rooms show, what tests are called.
+
+python3 check.py includes|pictures|names SOURCE_FOLDER
+python3 check.py self_check SOURCE_FOLDER                 each mistake in wrong.txt and in changed pictures is found
+"""
+
+import pathlib
+import re
+import sys
+import tempfile
+
+# What each room may include, apart from itself, detail and the version.
+ROOMS = {
+    "detail": "",
+    "version": "",
+    "tensor": "",
+    "text": "",
+    "runtime": "tensor",
+    "kernels": "runtime tensor",
+    "layers": "kernels runtime tensor",
+    "networks": "layers kernels runtime tensor",
+    "deployment": "networks layers kernels runtime tensor",
+    "quantisation": "deployment networks layers kernels runtime tensor",
+    "decision": "networks layers kernels runtime tensor",
+    "training": "text image networks layers kernels runtime tensor",
+    "image": "kernels runtime tensor",
+    "transfer": "io text deployment image networks layers kernels runtime tensor",
+    "svm": "text kernels runtime tensor",
+    "features": "text kernels runtime tensor",
+    "io": "text kernels runtime tensor",  # io/parameters.hpp and others take a network as a template argument and include none
+    "sensors": "io text tensor",
+    "eigen": "text tensor sensors svm",
+    "simulation": "sensors text image kernels runtime tensor",
+    "forward": "tensor",
+    # The core umbrella: a user of inference never pays for training.
+    "tactnet": "forward tensor layers networks deployment",
+}
+# What some headers may include in addition.
+HEADERS = {
+    "io/model_file.hpp": "networks",  # it is the file of a networks/model.hpp
+    "io/svm_file.hpp": "svm",
+    "io/deployed_file.hpp": "deployment networks",
+    "io/eight_bit_file.hpp": "deployment networks",
+    "io/stored_deployed.hpp": "deployment",
+}
+# Of some rooms only these headers.
+ONLY = {
+    ("sensors", "io"): "file_error read_file",  # what needs nothing but the standard library, as sensors must work without any other
+    ("eigen", "sensors"): "frame",  # what has frames and rows in it, which needs nothing but tensors
+    ("eigen", "svm"): "feature_rows",
+    ("simulation", "sensors"): "tekscan_6077",  # what sensors there are, not what they send
+}
+# What the folders of kernels/ may include of each other; "" stands for headers next to the folders. What a deployed network runs includes
+# nothing that only trainings need.
+KERNELS = {"simd": "", "batch": "simd", "integer": "simd", "map": "simd", "panels": "simd", "frame": "panels simd", "rows": "panels simd", "": "simd"}
+# Folders that only these and they themselves include: a simulation of your own objects does not pay for the paper's 22 classes.
+CLOSED = {"simulation/paper": "simulation.hpp"}
+# What only kernels/ may know.
+KERNEL_HEADERS = r"xsimd/|(immintrin|x86intrin|arm_acle|arm_neon|arm_sve|wasm_simd128)\.h$"
+# What may include Eigen, apart from the room eigen: programs that include none of it need no Eigen.
+EIGEN_USERS = "simulation/effects/circuit/resistive_network.hpp"
+# What the standard library leaves to the system: files that are safe on disk, an interrupt from the keyboard.
+SYSTEM_HEADERS = r"(unistd|fcntl|io|windows)\.h$|sys/[a-z]+\.h$"
+
+
+def room_of(header):
+    """A room is a folder; an umbrella <room>.hpp next to the folders belongs to the room."""
+    return header.partition("/")[0].removesuffix(".hpp")
+
+
+def include_problem(header, included):
+    """What is wrong with an include of a header, or nothing."""
+    room = room_of(header)
+    if included.startswith("tactnet/"):
+        named = included.removeprefix("tactnet/")
+        target = room_of(named)
+        if target not in ROOMS:
+            return f"<{included}> is in no room"
+        allowed = f"{ROOMS[room]} {HEADERS.get(header, '')} {room} detail version".split()
+        part = re.sub(r"^[a-z_]+/|\.hpp$", "", named)
+        if target not in allowed or (room, target) in ONLY and part not in ONLY[room, target].split():
+            return f"room '{room}' may not include <{included}>"
+        if room == "kernels" and named.count("/") > 1:
+            folder = header.split("/")[1] if header.count("/") > 1 else ""
+            if named.split("/")[1] not in [folder, *KERNELS.get(folder, "").split()]:
+                return f"'{'/'.join(['kernels', folder]).rstrip('/')}' may not include <{included}>"
+        for closed, users in CLOSED.items():
+            if named.startswith(closed + "/") and not header.startswith(closed + "/") and header not in users.split():
+                return f"only {closed}/ and {users} may include <{included}>"
+    elif re.match(KERNEL_HEADERS, included):
+        if room != "kernels":
+            return f"only kernels/ may include <{included}>"
+    elif re.match("(Eigen|unsupported)/", included):
+        if room != "eigen" and header not in EIGEN_USERS.split():
+            return f"only eigen/ and {EIGEN_USERS} may include <{included}>"
+    elif re.search("[./]", included) and not re.match(SYSTEM_HEADERS, included):
+        return f"<{included}> is neither the library's nor the standard's, nor Eigen or xsimd"
+    return None
+
+
+def check_includes(root):
+    """The arrows between the library's rooms point one way."""
+    folder, purposes = root / "include/tactnet", {}
+    headers = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
+    for header in headers:
+        if room_of(header) not in ROOMS:
+            yield f"{header}: there is no room '{room_of(header)}'; give it its place in tests/layering/check.py"
+            continue
+        text = (folder / header).read_text()
+        if not re.search(r"^#pragma once$", text, re.M):
+            yield f"{header}: has no '#pragma once'"
+        if re.match(r"#pragma once\n+(//.*\n)+\n+#include", text):
+            yield f"{header}: has its comment in front of its includes, not behind them"
+        for number, line in enumerate(text.splitlines(), 1):
+            place = f"{header}:{number}"
+            if re.match(r" *namespace tactnet", line) and not line.startswith("namespace tactnet { inline namespace TACTNET_ARCH {"):
+                yield f"{place}: opens namespace tactnet without 'inline namespace TACTNET_ARCH {{' behind it"
+            elif re.match(r' *# *include +"', line):
+                yield f"{place}: public headers include by angle brackets, found {line}"
+            elif found := re.match(r" *# *include +<([^>]*)>", line):
+                if problem := include_problem(header, found[1]):
+                    yield f"{place}: {problem}"
+            elif found := re.search(r"(random_purpose|effect_purpose) ([a-z_]+){([0-9]+)}", line):
+                # Two purposes with one number would draw the same numbers.
+                first = purposes.setdefault((found[1], found[3]), place)
+                if first != place:
+                    yield f"{place}: the number of {found[2]} is that of {first}"
+    if not headers:
+        yield f"there are no headers in {folder}"
+
+
+def check_pictures(root, changed=lambda text: text):
+    """Rooms and arrows of docs/pictures are those of the folders and rules: a room per folder; whatever solid arrows lead to is all that a
+    room may include, and dashed arrows lead to the rooms of which it may include some headers. In frame.svg each box is called after a
+    header."""
+    include = root / "include/tactnet"
+    rooms = sorted(path.name for path in include.iterdir() if path.is_dir() and path.name != "detail")
+
+    def titles(picture):
+        text = changed((root / "docs/pictures" / picture).read_text()).replace("&gt;", ">").replace("&#45;", "-")
+        return re.findall(r"<title>([^<]*)</title>(\n<path[^>]*dasharray)?", text)
+
+    solid, dashed, drawn = {room: set() for room in rooms}, {room: set() for room in rooms}, []
+    for title, is_dashed in titles("rooms.svg"):
+        begin, arrow, end = title.partition("->")
+        if arrow:
+            (dashed if is_dashed else solid).setdefault(begin, set()).add(end)
+        elif title not in ("rooms", "legend"):
+            drawn.append(title)
+    if sorted(drawn) != rooms:
+        yield f"rooms.svg: expected the rooms {rooms}, found {sorted(drawn)}"
+    for room in rooms:
+        partly = {target for target in ROOMS.get(room, "").split() if (room, target) in ONLY}
+        whole = set(ROOMS.get(room, "").split()) - partly
+        for header, targets in HEADERS.items():
+            if room_of(header) == room:
+                partly |= set(targets.split())
+        reached, more = set(), set(solid[room])
+        while more:
+            reached |= more
+            more = {target for one in more for target in solid.get(one, ())} - reached
+        if reached != whole:
+            yield f"rooms.svg: '{room}' may include {sorted(whole)}, but its arrows lead to {sorted(reached)}"
+        if dashed[room] != partly:
+            yield f"rooms.svg: '{room}' may include headers of {sorted(partly)}, but its dashed arrows lead to {sorted(dashed[room])}"
+    boxes = [title for title, _ in titles("frame.svg") if "->" not in title and title not in ("frame", "bytes", "cluster_network")]
+    if not boxes:
+        yield "frame.svg: has no boxes"
+    for title in boxes:
+        if not (include / f"{title}.hpp").exists():
+            yield f"frame.svg: there is no header {title}.hpp"
+
+
+def mirrors(include, test):
+    """Whether a test is called after a header, after one and a topic, or after a folder of headers."""
+    room, name = test.partition("/")[0], test.removesuffix("_test.cpp")
+    while True:
+        if (include / f"{name}.hpp").exists() or (include / name).is_dir() or name == f"{room}/{room}" and (include / room).is_dir():
+            return True
+        name, _, topic = name.rpartition("_")
+        if not name or "/" in topic:
+            return False
+
+
+def check_names(root):
+    """tests/ mirrors include/, so that the test of a header is easy to find: under its own name, or, of several headers of a folder, under
+    the name of the folder: those of io/images/ in io/images_test.cpp, those of io/ itself in io/io_test.cpp. And each test case says first
+    what it tests."""
+    folder = root / "tests"
+    tests = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*_test.cpp"))
+    if not tests:
+        yield f"there are no tests in {folder}"
+    for test in tests:
+        # The tests of examples/ mirror that folder. Hard cases are of many headers: their files are topics.
+        if not test.startswith(("examples/", "hard_cases/")) and not mirrors(root / "include/tactnet", test):
+            yield (f"{test}: tests no header of that name; expected <header>_test.cpp or <header>_<topic>_test.cpp, or a folder of headers in "
+                   "place of the header")
+        text = (folder / test).read_text()
+        if "find_data(" in text and 'test_suite("data")' not in text:
+            yield f'{test}: reads data that do not belong to the project; expected * doctest::test_suite("data")'
+        for case in re.findall(r'TEST_CASE[A-Z_]*\(\s*"([^"]*)', text):
+            if not re.match(r"[A-Za-z_][A-Za-z0-9_:]*: ", case):
+                yield f"{test}: expected a test case 'subject: what holds', found '{case}'"
+            else:
+                subject = case.partition(":")[0].replace("_", "[ _]")
+                if re.match(rf"[^:]*: {subject}[a-z ]*: ", case):
+                    yield f"{test}: says its subject twice: '{case}'"
+
+
+def self_check(root):
+    """What the checks find in a tree in which each file breaks one rule."""
+    here = pathlib.Path(__file__).parent
+    with tempfile.TemporaryDirectory() as folder:
+        for part in ("==> " + (here / "wrong.txt").read_text().removeprefix("==> ")).split("==> ")[1:]:
+            name, _, text = part.partition("\n")
+            path = pathlib.Path(folder, name)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        yield from expect("includes", check_includes(pathlib.Path(folder)), [
+            "image/includes_quoted.hpp:3: ",
+            "io/includes_image.hpp:4: room 'io' may not include",
+            "io/includes_stranger.hpp:5: <fmt/core.h> is neither",
+            "kernels/frame/includes_batch.hpp:4: 'kernels/frame' may not include",
+            "kernels/includes_layers.hpp:4: room 'kernels' may not include",
+            "layers/comment_first.hpp: has its comment in front",
+            "layers/includes_unknown.hpp:3: .* no room",
+            "layers/other_namespace.hpp:4: opens namespace tactnet without",
+            "layers/same_purpose.hpp:9: the number of other is that of layers/same_purpose.hpp:8",
+            "sensors/includes_parameters.hpp:4: room 'sensors' may not include",
+            "simulation/includes_paper.hpp:3: only simulation/paper/ and simulation.hpp may include",
+            "simulation/includes_recording.hpp:3: room 'simulation' may not include",
+            "tactnet.hpp:3: room 'tactnet' may not include",
+            "tensor/includes_eigen.hpp:5: only eigen/ and simulation/[a-z_/]+.hpp may include <Eigen/Core>",
+            "tensor/not_guarded.hpp: has no '#pragma once'",
+        ])
+        for path in pathlib.Path(folder, "include/tactnet").rglob("*.hpp"):
+            path.unlink()
+        for name in ("svm/kernel/rbf", "svm/solvers/one", "tensor/shape", "io/images/one"):
+            path = pathlib.Path(folder, "include/tactnet", name + ".hpp")
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.touch()
+        yield from expect("names", check_names(pathlib.Path(folder)), [
+            "svm/kernels_test.cpp: tests no header",
+            "tensor/shape_test.cpp: expected a test case .*found 'sizes are multiplied'",
+            "tensor/shape_test.cpp: says its subject twice: 'shape: shape: sizes are positive'",
+            "tensor/unknown_test.cpp: tests no header",
+            "tensor/shape_data_test.cpp: reads data",
+            "unknown/unknown_test.cpp: tests no header",
+        ])
+
+    def changed(text):  # a room less, an arrow that leads elsewhere, a dashed arrow less, a header that is not there
+        for old, new in {"<title>svm</title>": "", "layers-&gt;kernels<": "layers-&gt;runtime<", "<title>sensors-&gt;io<": "<title>sensors<",
+                         "<title>networks/recognition<": "<title>networks/recogniser<"}.items():
+            text = text.replace(old, new)
+        return text
+
+    yield from expect("pictures", check_pictures(root, changed), [
+        "rooms.svg: expected the rooms .*'svm'.*, found ",
+        "rooms.svg: 'layers' may include .*'kernels', 'runtime', 'tensor'.*, but its arrows lead to .'runtime', 'tensor'",
+        "rooms.svg: 'sensors' may include headers of .'io'., but its dashed arrows lead to ..$",
+        "frame.svg: there is no header networks/recogniser.hpp",
+    ], exact=False)
+
+
+def expect(check, found, patterns, exact=True):
+    found = list(found)
+    for pattern in patterns:
+        if not any(re.match(pattern, problem) for problem in found):
+            yield f"{check}: expected '{pattern}', found {found}"
+    for problem in found:
+        if exact and not any(re.match(pattern, problem) for pattern in patterns):
+            yield f"{check}: expected nothing like '{problem}'"
+
+
+CHECKS = {"includes": check_includes, "pictures": check_pictures, "names": check_names, "self_check": self_check}
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3 or sys.argv[1] not in CHECKS:
+        sys.exit(__doc__)
+    problems = list(CHECKS[sys.argv[1]](pathlib.Path(sys.argv[2])))
+    if problems:
+        sys.exit("Rules of the rooms and of tests (see docs/contribute/rooms.md):\n" + "\n".join(problems))
+    print(f"{sys.argv[1]}: as it should be")
