@@ -8,7 +8,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <limits>
+#include <memory>
 #include <random>
 #include <span>
 #include <stdexcept>
@@ -274,6 +277,18 @@ TEST_CASE("fit_largest_distance: keeps the share of false alarms") {
                     std::invalid_argument);
 }
 
+namespace {
+
+/// A state with the checksum that its other bytes have.
+template <std::size_t Bytes>
+std::array<std::byte, Bytes> summed(std::array<std::byte, Bytes> state) {
+    const std::uint64_t sum = xxh64().update(std::span(state).first(Bytes - 8)).digest();
+    std::memcpy(state.data() + Bytes - 8, &sum, sizeof(sum));
+    return state;
+}
+
+} // namespace
+
 TEST_CASE("class_means: what was saved is known after a restart, and nothing else is taken") {
     using means = class_means<3, 4>;
     means before, after;
@@ -298,12 +313,63 @@ TEST_CASE("class_means: what was saved is known after a restart, and nothing els
     CHECK(after.restore(class_means<4, 3>().save()) == restore_status::other_size);
     CHECK(after.save() == state);
 
-    // A mean that is not finite, under a right checksum.
-    auto wrong = state;
-    std::fill_n(wrong.begin() + 16 + 4 * 4, 8, std::byte{0xFF});
-    const std::uint64_t sum = xxh64().update(std::span(wrong).first(wrong.size() - 8)).digest();
-    for (std::size_t i = 0; i < 8; ++i)
-        wrong[wrong.size() - 8 + i] = static_cast<std::byte>(sum >> 8 * i & 0xFF);
-    CHECK(after.restore(wrong) == restore_status::damaged);
+    // Numbers of touches, means and sums of squares that no touches have, under a right checksum.
+    constexpr std::size_t first_mean = 16 + 4 * 4, first_square = first_mean + 3 * 4 * 8;
+    const auto wrong = [&](std::size_t place, auto number) {
+        auto bytes = state;
+        std::memcpy(bytes.data() + place, &number, sizeof(number));
+        return summed(bytes);
+    };
+    for (const double mean : {double(NAN), double(INFINITY), 1e39, -1e39})
+        CHECK(after.restore(wrong(first_mean, mean)) == restore_status::damaged);
+    for (const double squares : {double(NAN), double(INFINITY), -1.0, 1e-310, 1e79})
+        CHECK(after.restore(wrong(first_square, squares)) == restore_status::damaged);
+    CHECK(after.restore(wrong(first_mean + 8, 1.0)) == restore_status::damaged);       // without touches
+    CHECK(after.restore(wrong(first_square + 2 * 8, 1.0)) == restore_status::damaged); // of one touch
+    CHECK(after.restore(wrong(first_square, 1e77)) == restore_status::ok); // two touches at the ends of float
+    CHECK(after.restore(state) == restore_status::ok);
     CHECK(after.save() == state);
+
+    // As many touches as there can be: one more is not learnt, and nothing is divided by zero.
+    REQUIRE(after.restore(wrong(16, std::uint32_t{0xFFFFFFFE})) == restore_status::ok);
+    CHECK(after.learn(0, {1, 2, 3}));
+    CHECK(!after.learn(0, {1, 2, 3}));
+    CHECK(std::isfinite(after.nearest({1, 2, 3})->relative_distance));
+    CHECK(means().restore(after.save()) == restore_status::ok);
+}
+
+TEST_CASE("class_means: more classes than a stack has room for are saved, restored and compared") {
+    using means = class_means<2, 250'000>;
+    const auto before = std::make_unique<means>(), after = std::make_unique<means>();
+    REQUIRE(before->learn(1, {1, 2}));
+    REQUIRE(before->learn(249'999, {-3, 2}));
+    std::vector<std::byte> state(means::state_bytes);
+    before->save(std::span(state).first<means::state_bytes>());
+    const std::size_t allocated = support::allocations();
+    CHECK(after->restore(state) == restore_status::ok);
+    CHECK(after->nearest({-2, 1})->index == 249'999);
+    CHECK(support::allocations() == allocated);
+}
+
+TEST_CASE("discriminant: what was saved is read by another program, and nothing else is taken") {
+    using map = discriminant<3, 2>;
+    const map before{{1, -2, 3, 0.5f, 1e30f, 0}, {7, -1e-40f}};
+    std::array<std::byte, map::state_bytes> state;
+    before.save(state);
+    map after;
+    CHECK(after.restore(state) == restore_status::ok);
+    CHECK(after.directions == before.directions);
+    CHECK(after.offset == before.offset);
+    for (std::size_t byte = 0; byte < state.size(); ++byte) {
+        auto damaged = state;
+        damaged[byte] ^= std::byte{128};
+        CHECK(after.restore(damaged) != restore_status::ok);
+    }
+    CHECK(discriminant<2, 3>().restore(state) == restore_status::other_size);
+    for (const std::size_t place : {16UL, 16UL + 7 * 4}) { // the first number and the last one
+        auto wrong = state;
+        std::fill_n(wrong.begin() + static_cast<std::ptrdiff_t>(place), 4, std::byte{0xFF});
+        CHECK(after.restore(summed(wrong)) == restore_status::damaged);
+    }
+    CHECK(after.directions == before.directions);
 }

@@ -374,6 +374,16 @@ TEST_CASE("sensor_health: a state that is damaged, cut or of another array chang
         CAPTURE(changed);
         CHECK(other.restore(summed(wrong)) == restore_status::damaged);
     }
+    // More frames learnt than count, a level above a byte, an overflow without faults, one found in the
+    // future.
+    for (const auto& [place, value] : std::vector<std::pair<std::size_t, int>>{
+             {18, 2}, {19, 255}, {16 + 13 + 2 * 154, 1}, {faults, 1}, {faults + 5 + 13 + 12, 1}}) {
+        auto wrong = state;
+        wrong[place] = static_cast<std::byte>(value);
+        const std::size_t changed = place;
+        CAPTURE(changed);
+        CHECK(other.restore(summed(wrong)) == restore_status::damaged);
+    }
     CHECK(other.save() == kept);
     CHECK(describe(restore_status::damaged) == "expected the bytes that were saved, found damage");
 }

@@ -29,6 +29,45 @@ struct discriminant {
         kernels::add_weighted_rows<Features, Dimensions>(features.data(), directions.data(), sums.data());
         return sums;
     }
+
+    /// The bytes of a saved map.
+    static constexpr std::size_t state_bytes = detail::state_header_bytes +
+                                               (Features + 1) * Dimensions * sizeof(float) +
+                                               detail::state_checksum_bytes;
+    /// Writes the map, for other programs.
+    void save(std::span<std::byte, state_bytes> state) const noexcept {
+        detail::state_writer to(state, state_header);
+        visit(*this, [&](float number) { to.put(number); });
+        to.finish();
+    }
+    /// Takes what `save` wrote, in place of this map.
+    [[nodiscard]] restore_status restore(std::span<const std::byte> state) noexcept {
+        detail::state_reader from;
+        if (const restore_status opened = from.open(state, state_bytes, state_header);
+            opened != restore_status::ok)
+            return opened;
+        detail::state_reader ahead = from;
+        bool finite = true;
+        visit(*this, [&](float number) {
+            ahead.take(number);
+            finite &= std::isfinite(number);
+        });
+        if (!finite)
+            return restore_status::damaged;
+        visit(*this, [&](float& number) { from.take(number); });
+        return restore_status::ok;
+    }
+
+private:
+    static constexpr detail::state_header state_header{.kind = {'d', 's', 'c', 'r'},
+                                                       .sizes = {Features, Dimensions}};
+    template <class Self, class Visit>
+    static void visit(Self& self, const Visit& visit) noexcept {
+        for (auto& number : self.directions)
+            visit(number);
+        for (auto& number : self.offset)
+            visit(number);
+    }
 };
 
 /// The class whose mean is nearest, and how far it is.
@@ -47,10 +86,11 @@ class class_means {
 public:
     using point = std::array<float, Dimensions>;
 
-    /// Adds a touch to a class. Returns false, and learns nothing, if there is no room for such a class or
-    /// the point is not finite.
+    /// Adds a touch to a class. Returns false, and learns nothing, if there is no room for such a class, the
+    /// class has 2³² − 1 touches, or the point is not finite.
     bool learn(std::size_t index, const point& touch) noexcept {
-        if (index >= MostClasses || !is_finite(touch))
+        if (index >= MostClasses || touches_[index] == std::numeric_limits<std::uint32_t>::max() ||
+            !is_finite(touch))
             return false;
         const double count = static_cast<double>(++touches_[index]);
         for (std::size_t d = 0; d < Dimensions; ++d) {
@@ -90,15 +130,20 @@ public:
         std::optional<nearest_class> found;
         if (!is_finite(touch))
             return found;
-        std::array<double, MostClasses> squared{};
-        for (std::size_t d = 0; d < Dimensions; ++d)
-            for (std::size_t c = 0; c < MostClasses; ++c) {
-                const double difference = static_cast<double>(touch[d]) - means_[d][c];
-                squared[c] += difference * difference;
-            }
-        for (std::size_t c = 0; c < MostClasses; ++c)
-            if (touches_[c] > 0 && (!found || squared[c] < found->squared_distance))
-                found = nearest_class{c, squared[c]};
+        // By blocks of classes: the stack may have no room for all distances.
+        constexpr std::size_t block = std::min<std::size_t>(MostClasses, 64);
+        for (std::size_t first = 0; first < MostClasses; first += block) {
+            const std::size_t count = std::min(block, MostClasses - first);
+            std::array<double, block> squared{};
+            for (std::size_t d = 0; d < Dimensions; ++d)
+                for (std::size_t c = 0; c < count; ++c) {
+                    const double difference = static_cast<double>(touch[d]) - means_[d][first + c];
+                    squared[c] += difference * difference;
+                }
+            for (std::size_t c = 0; c < count; ++c)
+                if (touches_[first + c] > 0 && (!found || squared[c] < found->squared_distance))
+                    found = nearest_class{first + c, squared[c]};
+        }
         if (found)
             found->relative_distance = found->squared_distance / spread(found->index);
         return found;
@@ -107,17 +152,19 @@ public:
     /// The bytes of a saved state.
     static constexpr std::size_t state_bytes =
         detail::state_header_bytes + MostClasses * (12 + 8 * Dimensions) + detail::state_checksum_bytes;
-    /// Returns all classes, for after a restart.
-    [[nodiscard]] std::array<std::byte, state_bytes> save() const noexcept {
-        detail::state_writer<state_bytes> to(state_header);
-        for (const std::uint32_t touches : touches_)
-            to.put(touches);
-        for (const auto& coordinates : means_)
-            for (const double coordinate : coordinates)
-                to.put(coordinate);
-        for (const double squares : squares_)
-            to.put(squares);
-        return to.finish();
+    /// Writes all classes, for after a restart.
+    void save(std::span<std::byte, state_bytes> state) const noexcept {
+        detail::state_writer to(state, state_header);
+        visit(*this, [&](auto number) { to.put(number); });
+        to.finish();
+    }
+    /// Returns them, if they are few enough for the stack.
+    [[nodiscard]] std::array<std::byte, state_bytes> save() const noexcept
+        requires(state_bytes <= 1U << 20U)
+    {
+        std::array<std::byte, state_bytes> state;
+        save(state);
+        return state;
     }
     /// Takes what `save` returned, in place of what was learnt.
     [[nodiscard]] restore_status restore(std::span<const std::byte> state) noexcept {
@@ -125,22 +172,26 @@ public:
         if (const restore_status opened = from.open(state, state_bytes, state_header);
             opened != restore_status::ok)
             return opened;
-        class_means found;
-        for (std::uint32_t& touches : found.touches_)
-            from.take(touches);
-        for (auto& coordinates : found.means_)
-            for (double& coordinate : coordinates) {
-                from.take(coordinate);
-                if (!(std::abs(coordinate) <= std::numeric_limits<float>::max()))
-                    return restore_status::damaged;
+        // What is learnt is large, and stays unless all numbers are those of means: they are read twice.
+        detail::state_reader ahead = from, touches = from;
+        std::uint32_t count = 0;
+        double number = 0;
+        for (std::size_t c = 0; c < MostClasses; ++c)
+            ahead.take(count);
+        bool possible = true;
+        for (std::size_t row = 0; row <= Dimensions; ++row) { // the last one holds the sums of squares
+            touches = from;
+            for (std::size_t c = 0; c < MostClasses; ++c) {
+                ahead.take(number);
+                touches.take(count);
+                possible &=
+                    row < Dimensions ? is_possible_mean(number, count) : are_possible_squares(number, count);
             }
-        for (double& squares : found.squares_) {
-            from.take(squares);
-            if (!(squares >= 0 && squares <= std::numeric_limits<double>::max()))
-                return restore_status::damaged;
         }
-        found.set_average_spread();
-        *this = found;
+        if (!possible)
+            return restore_status::damaged;
+        visit(*this, [&](auto& each) { from.take(each); });
+        set_average_spread();
         return restore_status::ok;
     }
 
@@ -148,8 +199,28 @@ private:
     static constexpr detail::state_header state_header{.kind = {'m', 'e', 'a', 'n'},
                                                        .sizes = {Dimensions, MostClasses}};
     static bool is_finite(const point& touch) noexcept {
-        return std::all_of(touch.begin(), touch.end(),
-                           [](float value) { return std::abs(value) <= std::numeric_limits<float>::max(); });
+        return std::all_of(touch.begin(), touch.end(), [](float value) { return std::isfinite(value); });
+    }
+    /// Calls visit(number) for each number, in the order of their bytes.
+    template <class Self, class Visit>
+    static void visit(Self& self, const Visit& visit) noexcept {
+        for (auto& touches : self.touches_)
+            visit(touches);
+        for (auto& coordinates : self.means_)
+            for (auto& coordinate : coordinates)
+                visit(coordinate);
+        for (auto& squares : self.squares_)
+            visit(squares);
+    }
+    static bool is_possible_mean(double mean, std::uint32_t touches) noexcept {
+        return std::abs(mean) <= (touches > 0 ? double{std::numeric_limits<float>::max()} : 0.0);
+    }
+    /// Of touches that differ, the smallest square is near 2⁻⁴⁰⁴, the largest that of half the range of
+    /// float.
+    static bool are_possible_squares(double squares, std::uint32_t touches) noexcept {
+        constexpr double most = double{std::numeric_limits<float>::max()};
+        return squares == 0 || (touches > 1 && squares >= 0x1p-500 &&
+                                squares <= 2 * most * most * static_cast<double>(Dimensions) * touches);
     }
 
     /// A single touch of a class says nothing about its spread.

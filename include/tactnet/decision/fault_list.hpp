@@ -106,8 +106,7 @@ public:
             remove_recovered(enough, recovered);
     }
 
-    template <class Writer>
-    void save(Writer& to) const noexcept {
+    void save(state_writer& to) const noexcept {
         to.put(static_cast<std::uint8_t>(overflowed_));
         to.put(static_cast<std::uint32_t>(count_));
         for (const tactel_fault& fault : faults_) { // also those that are none, so that the size is constant
@@ -116,17 +115,17 @@ public:
         }
     }
     static constexpr std::size_t state_bytes = 5 + 13 * most;
-    /// Into an empty list. False for numbers that no list has.
-    [[nodiscard]] bool restore(state_reader& from) noexcept {
+    /// Into an empty list, after `frames` frames. False for numbers that no list has.
+    [[nodiscard]] bool restore(state_reader& from, std::uint64_t frames) noexcept {
         std::uint8_t overflowed = 0, kind = 0;
         std::uint32_t count = 0;
         from.take(overflowed), from.take(count);
-        if (overflowed > 1 || count > most)
+        if (overflowed > 1 || count > most || (overflowed == 1 && count < most))
             return false;
         for (tactel_fault fault; count_ < count;) {
             from.take(fault.row), from.take(fault.column), from.take(kind), from.take(fault.since);
             if (fault.row >= Array.rows || fault.column >= Array.columns || kind > 1 ||
-                contains(place_of(fault)))
+                fault.since > frames || contains(place_of(fault)))
                 return false;
             fault.kind = static_cast<tactel_fault_kind>(kind);
             faulty_[place_of(fault)] = true;

@@ -66,11 +66,11 @@ using bits_of_number = std::conditional_t<
     std::conditional_t<sizeof(Number) == 2, std::uint16_t,
                        std::conditional_t<sizeof(Number) == 4, std::uint32_t, std::uint64_t>>>;
 
-/// Writes numbers one after the other, little-endian.
-template <std::size_t Bytes>
+/// Writes numbers one after the other, little-endian, into memory of the caller: a large state has no room on
+/// the stack.
 class state_writer {
 public:
-    explicit state_writer(const state_header& header) noexcept {
+    state_writer(std::span<std::byte> to, const state_header& header) noexcept : bytes_(to) {
         visit_header(header, [&](auto number) { this->put(number); });
     }
     template <class Number>
@@ -79,15 +79,14 @@ public:
         for (std::size_t i = 0; i < sizeof(Number); ++i)
             bytes_[at_++] = static_cast<std::byte>(static_cast<std::uint64_t>(bits) >> 8 * i & 0xFF);
     }
-    /// All bytes, whose last are the checksum of the others.
-    [[nodiscard]] std::array<std::byte, Bytes> finish() noexcept {
-        at_ = Bytes - state_checksum_bytes;
-        put(xxh64().update(std::span(bytes_).first(at_)).digest());
-        return bytes_;
+    /// The last bytes are the checksum of the others.
+    void finish() noexcept {
+        at_ = bytes_.size() - state_checksum_bytes;
+        put(xxh64().update(bytes_.first(at_)).digest());
     }
 
 private:
-    std::array<std::byte, Bytes> bytes_{};
+    std::span<std::byte> bytes_;
     std::size_t at_ = 0;
 };
 

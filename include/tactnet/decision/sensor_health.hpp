@@ -42,7 +42,7 @@ public:
     /// Takes a frame of air into the baseline: the mean of all frames since the last call of `forget`. A
     /// tactel above largest_baseline is stuck.
     void learn(frame air) noexcept {
-        learnt_ = std::min<std::uint32_t>(learnt_ + 1, 1U << 16U);
+        learnt_ = std::min(learnt_ + 1, most_learnt);
         for (std::size_t i = 0; i < size; ++i) {
             const auto target = static_cast<std::int32_t>(air[i]) * 256;
             const auto level = static_cast<std::int32_t>(level_[i]);
@@ -118,12 +118,14 @@ public:
                                                faults_of_array::state_bytes + detail::state_checksum_bytes;
     /// Returns baseline, offset and faults, for after a restart; signs of the latest frames are left out.
     [[nodiscard]] std::array<std::byte, state_bytes> save() const noexcept {
-        detail::state_writer<state_bytes> to(state_header);
+        std::array<std::byte, state_bytes> state;
+        detail::state_writer to(state, state_header);
         to.put(learnt_), to.put(frames_), to.put(offset_);
         for (const std::uint16_t level : level_)
             to.put(level);
         faults_.save(to);
-        return to.finish();
+        to.finish();
+        return state;
     }
     /// Takes what `save` returned, in place of what was learnt. Settings stay.
     [[nodiscard]] restore_status restore(std::span<const std::byte> state) noexcept {
@@ -133,9 +135,12 @@ public:
             return opened;
         sensor_health found(settings_);
         from.take(found.learnt_), from.take(found.frames_), from.take(found.offset_);
-        for (std::uint16_t& level : found.level_)
+        bool possible = found.learnt_ <= most_learnt;
+        for (std::uint16_t& level : found.level_) {
             from.take(level);
-        if (!found.faults_.restore(from))
+            possible &= level <= 255 * 256;
+        }
+        if (!possible || !found.faults_.restore(from, found.frames_))
             return restore_status::damaged;
         found.set_baseline();
         *this = found;
@@ -222,6 +227,7 @@ private:
         });
     }
 
+    static constexpr std::uint32_t most_learnt = 1U << 16U; ///< frames that the mean of the baseline counts
     static constexpr std::uint8_t dead_bit = 0x80; ///< of `suspect_frames_`, whose other bits count frames
     static constexpr std::uint8_t healthy_count = faults_of_array::healthy_count;
 

@@ -1,0 +1,126 @@
+// Any bytes as a saved state: they are restored, or refused and nothing changes. What was restored answers
+// with finite numbers, is saved as it was, and goes on.
+
+#include "fuzz_target.hpp"
+
+#include <tactnet/decision/discriminant.hpp>
+#include <tactnet/decision/sensor_health.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+#include <vector>
+
+namespace {
+
+using health = tactnet::sensor_health<tactnet::shape{3, 8}>;
+using means = tactnet::class_means<2, 3>;
+using map = tactnet::discriminant<3, 2>;
+
+void require(bool holds) {
+    if (!holds)
+        std::abort();
+}
+
+template <class State>
+auto saved(const State& state) {
+    std::array<std::byte, State::state_bytes> bytes;
+    if constexpr (requires { state.save(std::span(bytes)); })
+        state.save(std::span(bytes));
+    else
+        bytes = state.save();
+    return bytes;
+}
+/// An input as a state of this kind: of its size, with its header, and with a right checksum.
+template <class State>
+std::array<std::byte, State::state_bytes> framed(std::span<const std::uint8_t> input) {
+    auto bytes = saved(State());
+    const std::size_t first = tactnet::detail::state_header_bytes,
+                      last = bytes.size() - tactnet::detail::state_checksum_bytes;
+    for (std::size_t i = 0; i < input.size() && first + i < last; ++i)
+        bytes[first + i] = std::byte{input[i]};
+    const std::uint64_t sum = tactnet::xxh64().update(std::span(bytes).first(last)).digest();
+    for (std::size_t i = 0; i < tactnet::detail::state_checksum_bytes; ++i)
+        bytes[last + i] = static_cast<std::byte>(sum >> 8 * i & 0xFF);
+    return bytes;
+}
+
+void go_on(health& state) {
+    std::array<std::uint8_t, 24> frame{};
+    for (int i = 0; i < 40; ++i) {
+        frame.fill(static_cast<std::uint8_t>(i % 8 == 7 ? 255 : 0));
+        frame[static_cast<std::size_t>(i % 24)] = 200;
+        if (i % 2 == 0)
+            state.learn(frame);
+        else
+            state.follow(frame);
+        (void)state.clean(frame);
+        require(state.faults().size() <= health::max_faults && std::isfinite(state.mean_baseline()));
+    }
+}
+void go_on(means& state) {
+    constexpr float most = 3.4e38f;
+    for (const means::point& touch :
+         {means::point{1, 2}, means::point{most, -most}, means::point{0, 1e-45f}}) {
+        if (const auto near = state.nearest(touch))
+            require(std::isfinite(near->squared_distance) && std::isfinite(near->relative_distance));
+        for (std::size_t c = 0; c < 4; ++c) {
+            require(state.spread(c) > 0 && std::isfinite(state.spread(c)));
+            (void)state.learn(c, touch);
+        }
+    }
+}
+void go_on(map& state) {
+    for (const auto* numbers : {state.directions.data(), state.offset.data()})
+        require(std::isfinite(*numbers));
+}
+
+template <class State>
+void check(std::span<const std::byte> bytes) {
+    State state;
+    const auto before = saved(state);
+    const bool taken = state.restore(bytes) == tactnet::restore_status::ok;
+    if (!taken)
+        return require(saved(state) == before);
+    State again;
+    require(again.restore(saved(state)) == tactnet::restore_status::ok && saved(again) == saved(state));
+    go_on(state);
+    require(again.restore(saved(state)) == tactnet::restore_status::ok);
+}
+
+template <class State>
+void check_both(std::span<const std::uint8_t> input) {
+    check<State>(std::as_bytes(input));
+    check<State>(framed<State>(input));
+}
+
+} // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    const std::span input(data, size);
+    fuzz_forms(size, 3, [&](std::size_t form) {
+        form == 0 ? check_both<health>(input) : form == 1 ? check_both<means>(input) : check_both<map>(input);
+    });
+    return 0;
+}
+
+std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
+    health worn;
+    go_on(worn);
+    means some;
+    (void)some.learn(0, {1, 2}), (void)some.learn(0, {2, -3}), (void)some.learn(2, {0.5f, 0});
+    std::vector<std::vector<std::uint8_t>> seeds;
+    const auto add = [&](const auto& bytes) { // whole, and as what `framed` takes
+        for (const std::size_t first : {std::size_t{0}, tactnet::detail::state_header_bytes}) {
+            auto& seed = seeds.emplace_back();
+            for (std::size_t i = first; i < bytes.size(); ++i)
+                seed.push_back(std::to_integer<std::uint8_t>(bytes[i]));
+        }
+    };
+    add(saved(worn)), add(saved(some)), add(saved(map{{1, 2, 3, 4, 5, 6}, {-1, 0.5f}}));
+    return seeds;
+}
