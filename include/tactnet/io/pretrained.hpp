@@ -45,9 +45,9 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// If the file holds the network among other things, `prefix` stands before its names there; all names
 /// without the prefix are ignored.
 ///
-/// Throws file_error, one that names all of them, when arrays are missing, surplus or of other extents; the
-/// network is then unchanged. Throws file_error for values that are not finite and for negative variances;
-/// the network then holds some of the arrays.
+/// Throws file_error, one that counts all of them and names the first, when arrays are missing, surplus or of
+/// other extents; the network is then unchanged. Throws file_error for values that are not finite and for
+/// negative variances; the network then holds some of the arrays.
 template <class Network>
 void load_pretrained(Network& network, safetensors_source& file, std::span<const std::string> unread = {},
                      std::string_view prefix = "") {

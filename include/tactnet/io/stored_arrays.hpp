@@ -89,7 +89,8 @@ inline void check_values(const safetensors_index& file, std::string_view name,
         throw std::invalid_argument(joined({where, ": classes must be 1 to ", outputs}));
 }
 
-/// Collects the arrays of a file that differ from the network's, and throws one error for all.
+/// Collects the arrays of a file that differ from the network's, and throws one error for all. It lists the
+/// first ones of each kind and counts the others: a file can hold any number.
 class array_differences {
 public:
     enum kind { missing, misshapen, surplus };
@@ -97,12 +98,17 @@ public:
     /// `listed` describes the array among several; the other texts are the error if it is the only one.
     [[gnu::cold, gnu::noinline]] void add(kind what, text_parts listed, text_parts place, text_parts expected,
                                           text_parts found) {
+        constexpr std::size_t most = 240; // bytes of a list
         std::string& list = lists_[what];
-        list = joined({list, list.empty() ? ": " : ", ", joined(listed)});
-        ++counts_[what];
-        place_ = joined(place);
-        expected_ = joined(expected);
-        found_ = joined(found);
+        if (++counts_[what] == 1) {
+            list = joined({": ", joined(listed)});
+            place_ = joined(place);
+            expected_ = joined(expected);
+            found_ = joined(found);
+        } else if (!list.ends_with("…")) {
+            const std::string next = joined(listed);
+            list += list.size() + next.size() <= most ? joined({", ", next}) : ", …";
+        }
     }
     [[gnu::cold, gnu::noinline]] void throw_if_any(const safetensors_index& file,
                                                    std::string_view all) const {
@@ -125,9 +131,9 @@ private:
 
 } // namespace detail
 
-/// Throws file_error, one that names all of them, when arrays of the network are missing in the file or have
-/// other extents, or when the file holds arrays of another network. Arrays whose names begin with one of
-/// `unread` are ignored. The output layer must have a row per class.
+/// Throws file_error, one that counts all of them and names the first, when arrays of the network are missing
+/// in the file or have other extents, or when the file holds arrays of another network. Arrays whose names
+/// begin with one of `unread` are ignored. The output layer must have a row per class.
 [[gnu::cold]] inline void require_arrays(const safetensors_index& file, const stored_arrays& arrays,
                                          std::size_t classes, std::span<const std::string> unread = {}) {
     using detail::array_differences;

@@ -33,9 +33,9 @@ template <class File>
 /// begins with as_photograph, in its order, and none for the last layer, which learns other classes. `form`
 /// gives the mean and variance of the photograph, for inputs of 0 … 1.
 ///
-/// Throws one file_error that lists all arrays that are missing, surplus or of other extents, and file_error
-/// for values that are not finite; std::invalid_argument for a network without as_photograph or without a
-/// last layer of its own.
+/// Throws one file_error that counts all arrays, and lists the first, that are missing, surplus or of other
+/// extents, and file_error for values that are not finite; std::invalid_argument for a network without
+/// as_photograph or without a last layer of its own.
 [[nodiscard]] inline std::vector<std::vector<float>> pretrained_trunk(safetensors_source& file,
                                                                       const stored_arrays& arrays,
                                                                       const photograph_preprocessing& form) {

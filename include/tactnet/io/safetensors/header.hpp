@@ -59,11 +59,15 @@ struct safetensors_header {
 /// The longest header that the format allows, in bytes.
 inline constexpr std::size_t safetensors_header_limit = 100'000'000;
 
-/// Extents for a message: "8x1x5x5", or "a single number" for none.
+/// Extents for a message: "8x1x5x5", or "a single number" for none. Of many, the first and how many there
+/// are.
 [[gnu::cold, gnu::noinline]] inline std::string shape_text(std::span<const std::size_t> extents) {
+    constexpr std::size_t most = 6; // of an untrusted file, whose list can have any length
     std::string text;
-    for (const std::size_t extent : extents)
+    for (const std::size_t extent : extents.first(std::min(extents.size(), most)))
         text += detail::joined({text.empty() ? "" : "x", extent});
+    if (extents.size() > most)
+        text += detail::joined({"x… (", extents.size(), " extents)"});
     return text.empty() ? "a single number" : text;
 }
 
