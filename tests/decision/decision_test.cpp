@@ -70,10 +70,10 @@ TEST_CASE("gain_monitor: few touches move the estimate little") {
 }
 
 TEST_CASE("gain_monitor: older touches weigh less, by the memory") {
-    gain_monitor monitor({0, 0}, 4); // forces that do not scatter: no shrinkage
-    monitor.add_touch(0.5);
-    monitor.add_touch(0.5);
-    monitor.add_touch(2);
+    gain_monitor monitor({std::log(8.0), 0}, 4); // forces that do not scatter: no shrinkage
+    monitor.add_touch(4);
+    monitor.add_touch(4);
+    monitor.add_touch(16);
     const double first = 0.75 * 0.75, second = 0.75;
     CHECK(std::log(monitor.gain()) ==
           doctest::Approx(std::log(2.0) * (1 - first - second) / (1 + first + second)));
@@ -85,6 +85,32 @@ TEST_CASE("gain_monitor: no force, NaN and infinity are no touches") {
          {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
         monitor.add_touch(force);
     CHECK(monitor.gain() == 1);
+}
+
+TEST_CASE("gain_monitor: statistics of nothing, and numbers that no forces have, move nothing") {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
+                     infinity = std::numeric_limits<double>::infinity();
+    const std::array<std::uint8_t, 6> air{}, one{9, 0, 0, 0, 0, 0};
+    for (const force_statistics& trained :
+         {force_statistics::of(air, 2, 1), force_statistics::of(one, 2, 1), force_statistics{nan, 1},
+          force_statistics{9, nan}, force_statistics{9, infinity}, force_statistics{-infinity, 1},
+          force_statistics{9, -1}, force_statistics{1e300, 1}}) {
+        gain_monitor monitor(trained);
+        monitor.add_touch(5000);
+        CHECK(monitor.gain() == 1);
+        CHECK_FALSE(monitor.drifted());
+        CHECK(monitor.uncertainty() == 0.3);
+    }
+    for (const double memory : {nan, -infinity, 0.0, infinity})
+        for (const double deviation : {nan, -infinity, 0.0, infinity})
+            for (const force_statistics& trained : {force_statistics{-745, 1}, force_statistics{1, 0}}) {
+                gain_monitor monitor(trained, memory, deviation);
+                CHECK(std::isfinite(monitor.uncertainty()));
+                for (int touch = 0; touch < 100; ++touch)
+                    monitor.add_touch(1e308);
+                CHECK(std::isfinite(monitor.gain()));
+                CHECK(std::isfinite(monitor.uncertainty()));
+            }
 }
 
 using four_logits = std::array<float, 4>;

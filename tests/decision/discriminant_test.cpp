@@ -277,6 +277,31 @@ TEST_CASE("fit_largest_distance: keeps the share of false alarms") {
                     std::invalid_argument);
 }
 
+TEST_CASE("fit_discriminant: like fit_whitening, no map of numbers that are not finite") {
+    const cloud training(200, 8);
+    const auto scaled = [&](double by) {
+        std::vector<float> features;
+        for (const float feature : training.features)
+            features.push_back(static_cast<float>(static_cast<double>(feature) * by));
+        return features;
+    };
+    std::vector<float> flat = training.features; // but for one feature of one image
+    for (std::size_t i = 0; i < flat.size(); ++i)
+        flat[i] = static_cast<float>(training.labels[i / size] == i % size);
+    flat[0] += 1;
+    const std::vector<std::pair<std::vector<float>, double>> cases{
+        {scaled(1e-42), 0.5}, {flat, 1e-300}, {flat, 5e-324}};
+    for (const auto& [features, shrinkage] : cases) {
+        CAPTURE(shrinkage);
+        CHECK(error_of(features, training.labels, classes, shrinkage)
+                  .starts_with("fit_discriminant: expected features and a shrinkage that give a finite map"));
+        CHECK_THROWS_AS((void)fit_whitening<size>(features, training.labels, classes, shrinkage),
+                        std::invalid_argument);
+    }
+    CHECK(error_of(scaled(1e-20), training.labels, classes) == "no error");
+    CHECK(error_of(scaled(1e36), training.labels, classes) == "no error");
+}
+
 namespace {
 
 /// A state with the checksum that its other bytes have.

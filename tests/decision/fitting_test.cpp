@@ -2,6 +2,7 @@
 #include <tactnet/decision/prediction_set.hpp>
 #include <tactnet/decision/reliability_diagram.hpp>
 #include <tactnet/decision/temperature_scaling.hpp>
+#include <tactnet/decision/touch_evidence.hpp>
 
 #include <doctest/doctest.h>
 
@@ -144,6 +145,38 @@ TEST_CASE("temperature_scaling: probabilities of a softmax of logits ÷ temperat
     std::array<double, 2> logarithms{7, 7};
     CHECK_FALSE(temperature_scaling{}.log_probabilities(broken, logarithms));
     CHECK(logarithms[0] == 7);
+}
+
+TEST_CASE("temperature_scaling: a temperature that gives no finite numbers gives no answer") {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
+                     infinity = std::numeric_limits<double>::infinity();
+    const std::array<float, 3> logits{-3e38F, 3e38F, 2};
+    std::array<double, 3> logarithms{7, 7, 7};
+    std::array<bool, 3> members{};
+    const std::vector<std::size_t> labels{1};
+    for (const double temperature : {0.0, -1.0, nan, infinity, 1e-320, 9e-4, 1001.0}) {
+        CAPTURE(temperature);
+        const temperature_scaling scaling{temperature};
+        CHECK_FALSE(scaling.classify(logits, 3).has_value());
+        CHECK_FALSE(scaling.log_probabilities(logits, logarithms));
+        CHECK(logarithms[0] == 7);
+        CHECK(prediction_set(scaling, 0.1).predict(logits, members) == 0);
+        touch_evidence<3> evidence(3, scaling);
+        CHECK_FALSE(evidence.add_frame(logits));
+        CHECK_FALSE(evidence.most_likely().has_value());
+        CHECK_THROWS_AS((void)fit_prediction_set(scaling, 0.9, logits, 3, labels, 3), std::invalid_argument);
+    }
+    for (const double temperature : {1e-3, 1.0, 1e3})
+        for (const double correlation : {-1.0, 0.5, nan, infinity}) {
+            const temperature_scaling scaling{temperature};
+            REQUIRE(scaling.log_probabilities(logits, logarithms));
+            CHECK(std::ranges::all_of(logarithms, [](double value) { return std::isfinite(value); }));
+            touch_evidence<3> evidence(3, scaling, {correlation, correlation});
+            CHECK(evidence.add_frame(logits));
+            CHECK(evidence.add_frame(logits));
+            CHECK(evidence.most_likely()->index == 1);
+            CHECK(evidence.most_likely()->probability == 1);
+        }
 }
 
 TEST_CASE("reliability_diagram: what several took, and what was kept, is the same as taken by one") {

@@ -62,6 +62,13 @@ TEST_CASE("model_description: the temperature of calibrated probabilities, where
     calibrated.temperature = 2.0 / 3;
     add_description(metadata, calibrated);
     CHECK(describe_model(file_of(metadata)).temperature == 2.0 / 3);
+    for (const char* wrong :
+         {"1e-320", "0.0009", "1001", "1e300"}) { // which give probabilities of 0, 1 or NaN
+        metadata["temperature"] = wrong;
+        CHECK_THROWS_WITH_AS(
+            static_cast<void>(describe_model(file_of(metadata))),
+            doctest::Contains("metadata 'temperature': expected a number from 0.001 to 1000"), file_error);
+    }
     metadata["format"] = "pt"; // another program's word
     CHECK_FALSE(describe_model(file_of(metadata)).temperature);
 }

@@ -38,6 +38,7 @@ ROOMS = {
 # What some headers may include in addition.
 HEADERS = {
     "io/model_file.hpp": "networks",  # it is the file of a networks/model.hpp
+    "io/model_description.hpp": "networks",  # which temperatures there are
     "io/svm_file.hpp": "svm",
     "io/deployed_file.hpp": "deployment networks",
     "io/eight_bit_file.hpp": "deployment networks",

@@ -80,6 +80,16 @@ struct eigensystem {
     return found;
 }
 
+/// Throws std::invalid_argument for a map of which a number overflows or is none.
+template <class Number>
+void require_finite(const char* caller, std::span<const Number> numbers) {
+    for (const Number number : numbers)
+        if (!std::isfinite(number))
+            throw std::invalid_argument(
+                std::string(caller) + ": expected features and a shrinkage that give a finite map, found " +
+                std::to_string(number) + " in it: scale the features, or shrink more");
+}
+
 /// The means of classes, the mean of all, and the Cholesky factor of the covariance within classes.
 struct class_scatter {
     std::vector<double> means, whole, factor;
@@ -148,7 +158,8 @@ inline class_scatter scatter_of(const std::string& caller, std::size_t size, std
 /// use.
 ///
 /// Throws std::invalid_argument unless each image has a row of finite features and a label below `classes`,
-/// each class has an image, there are more classes than Dimensions, and features vary within classes.
+/// each class has an image, there are more classes than Dimensions, features vary within classes, and the map
+/// is finite in single precision: features below 1e-30 or a tiny shrinkage may give none.
 template <std::size_t Features, std::size_t Dimensions>
 [[nodiscard]] std::unique_ptr<discriminant<Features, Dimensions>>
 fit_discriminant(std::span<const float> features, std::span<const std::size_t> labels, std::size_t classes,
@@ -172,6 +183,7 @@ fit_discriminant(std::span<const float> features, std::span<const std::size_t> l
         for (std::size_t b = 0; b < classes; ++b)
             for (std::size_t f = 0; f < Features; ++f)
                 products[a * classes + b] += means[a * Features + f] * means[b * Features + f];
+    detail::require_finite<double>("fit_discriminant", products);
     const detail::eigensystem apart = detail::diagonalise(std::move(products), classes);
     std::vector<std::size_t> order(classes);
     for (std::size_t c = 0; c < classes; ++c)
@@ -197,6 +209,8 @@ fit_discriminant(std::span<const float> features, std::span<const std::size_t> l
         }
         result->offset[d] = static_cast<float>(offset);
     }
+    detail::require_finite<float>("fit_discriminant", result->directions);
+    detail::require_finite<float>("fit_discriminant", result->offset);
     return result;
 }
 
@@ -221,6 +235,8 @@ fit_whitening(std::span<const float> features, std::span<const std::size_t> labe
     }
     for (std::size_t d = 0; d < Features; ++d)
         result->offset[d] = static_cast<float>(offset[d]);
+    detail::require_finite<float>("fit_whitening", result->directions);
+    detail::require_finite<float>("fit_whitening", result->offset);
     return result;
 }
 

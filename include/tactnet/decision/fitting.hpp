@@ -92,8 +92,9 @@ inline void check_held_out(const std::string& caller, std::span<const float> log
 /// right class is in the set with a probability of `coverage` or more, whatever the network. With fewer than
 /// coverage ÷ (1 − coverage) images, 19 for 0.95, sets hold all classes.
 ///
-/// Throws std::invalid_argument unless `coverage` is above 0 and below 1, there are images, a row of
-/// logits and a label below `classes` for each, and all logits are finite.
+/// Throws std::invalid_argument unless `coverage` is above 0 and below 1, the temperature is one
+/// (is_temperature), there are images, a row of logits and a label below `classes` for each, and all logits
+/// are finite.
 [[nodiscard]] inline prediction_set fit_prediction_set(const temperature_scaling& scaling, double coverage,
                                                        std::span<const float> logits, std::size_t outputs,
                                                        std::span<const std::size_t> labels,
@@ -101,6 +102,9 @@ inline void check_held_out(const std::string& caller, std::span<const float> log
     if (!(coverage > 0 && coverage < 1))
         throw std::invalid_argument("fit_prediction_set: expected a coverage above 0 and below 1, found " +
                                     std::to_string(coverage));
+    if (!is_temperature(scaling.temperature))
+        throw std::invalid_argument("fit_prediction_set: expected a temperature from 0.001 to 1000, found " +
+                                    std::to_string(scaling.temperature));
     detail::check_held_out("fit_prediction_set", logits, outputs, labels, classes);
     // Probabilities of the right class, negated: the smallest come last.
     std::vector<double> negated, logarithms(classes);

@@ -16,7 +16,8 @@ struct force_statistics {
 
     /// Computes them from the images that a network was trained on, `size` counts each. As in contact_state,
     /// the force of an image is the sum of its counts from `pressed` on (see contact_detector::pressed).
-    /// Images without such counts are left out.
+    /// Images without such counts are left out; fewer than two others give {0, 0}, statistics of nothing, by
+    /// which gain_monitor estimates nothing.
     [[nodiscard]] static force_statistics of(std::span<const std::uint8_t> images, std::size_t size,
                                              std::uint8_t pressed) noexcept {
         double mean = 0, squares = 0, count = 0;
@@ -30,7 +31,7 @@ struct force_statistics {
             mean += difference / ++count;
             squares += difference * (value - mean);
         }
-        return {mean, count > 1 ? std::sqrt(squares / (count - 1)) : 0.0};
+        return count > 1 ? force_statistics{mean, std::sqrt(squares / (count - 1))} : force_statistics{};
     }
 };
 
@@ -39,19 +40,20 @@ struct force_statistics {
 /// of objects like that of the training. A robot that touches one object all day must not compensate a gain.
 class gain_monitor {
 public:
-    /// `memory` is the number of touches over which the estimate forgets. `gain_deviation` is the deviation
-    /// of the logarithm of gains that are expected: the estimate shrinks towards 1 by it while few touches
-    /// are known.
+    /// `memory` is the number of touches over which the estimate forgets, from 1 to 10⁹. `gain_deviation` is
+    /// the deviation of the logarithm of gains that are expected, from 10⁻⁶ to 10³: the estimate shrinks
+    /// towards 1 by it while few touches are known. Both are clamped; NaN counts as the smallest. With
+    /// statistics of nothing, or that no forces have, the gain remains 1.
     explicit gain_monitor(const force_statistics& trained, double memory = 50,
                           double gain_deviation = 0.3) noexcept
         : trained_(trained),
-          memory_(std::max(memory, 1.0)),
-          gain_deviation_(std::max(gain_deviation, 1e-6)) {}
+          memory_(memory > 1 ? std::min(memory, 1e9) : 1.0),
+          gain_deviation_(gain_deviation > 1e-6 ? std::min(gain_deviation, 1e3) : 1e-6) {}
 
     /// Takes the force of a touch, of its strongest frame (contact_state::force). Ignores what is no positive
     /// finite number.
     void add_touch(double force) noexcept {
-        if (!(force > 0) || std::isinf(force))
+        if (!(force > 0) || std::isinf(force) || !is_of_forces(trained_))
             return;
         const double keep = 1 - 1 / memory_;
         weight_ = weight_ * keep + 1;
@@ -61,7 +63,7 @@ public:
     /// The gain: 1 as in the training, 0.5 for half the counts.
     [[nodiscard]] double gain() const noexcept {
         const double ratio = trained_.deviation / gain_deviation_;
-        return weight_ > 0 ? std::exp(sum_ / (weight_ + ratio * ratio)) : 1.0;
+        return weight_ > 0 ? std::exp(std::clamp(sum_ / (weight_ + ratio * ratio), -700.0, 700.0)) : 1.0;
     }
     /// The deviation of the estimate's logarithm, of the scatter of forces alone.
     [[nodiscard]] double uncertainty() const noexcept {
@@ -73,6 +75,12 @@ public:
     }
 
 private:
+    /// Logarithms of numbers of 64 bits are within 745 of zero.
+    [[nodiscard]] static bool is_of_forces(const force_statistics& trained) noexcept {
+        return std::abs(trained.mean) <= 745 && trained.deviation >= 0 && trained.deviation <= 1500 &&
+               (trained.mean != 0 || trained.deviation != 0);
+    }
+
     force_statistics trained_;
     double memory_, gain_deviation_, weight_ = 0, squared_weight_ = 0, sum_ = 0;
 };

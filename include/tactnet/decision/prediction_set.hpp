@@ -23,12 +23,12 @@ public:
     [[nodiscard]] double least_probability() const noexcept { return least_; }
 
     /// Writes whether each class is in the set for a frame, with as many `members` as there are classes.
-    /// Returns how many are: 0 if a logit is not finite.
+    /// Returns how many are: 0 if a logit is not finite, or the temperature is none (is_temperature).
     std::size_t predict(std::span<const float> logits, std::span<bool> members) const noexcept {
         std::fill(members.begin(), members.end(), false);
         logits = logits.first(members.size());
         const detail::value_range range(logits);
-        if (!range.finite || logits.empty())
+        if (!range.finite || logits.empty() || !is_temperature(scaling_.temperature))
             return 0;
         const auto largest = static_cast<double>(range.largest);
         // Probabilities are compared by their logarithms.

@@ -33,18 +33,19 @@ struct touch_correlation {
 template <std::size_t Outputs>
 class touch_evidence {
 public:
-    /// The first `classes` outputs stand for a class. Correlations are clamped to 0 … 1.
+    /// The first `classes` outputs stand for a class. Correlations are clamped to 0 … 1; NaN counts as 1.
     explicit touch_evidence(std::size_t classes = Outputs, const temperature_scaling& scaling = {},
                             const touch_correlation& correlation = {}) noexcept
         : classes_(std::clamp<std::size_t>(classes, 1, Outputs)),
           scaling_(scaling),
-          correlation_{std::clamp(correlation.frames, 0.0, 1.0), std::clamp(correlation.grasps, 0.0, 1.0)} {}
+          correlation_{clamped(correlation.frames), clamped(correlation.grasps)} {}
 
-    /// Takes the logits of the next frame of a grasp. Returns false, and takes nothing, if one is not finite.
+    /// Takes the logits of the next frame of a grasp. Returns false, and takes nothing, if one is not finite
+    /// or the temperature is none (is_temperature).
     bool add_frame(std::span<const float, Outputs> logits) noexcept {
         const std::span<const float> known = logits.first(classes_);
         const detail::value_range range(known);
-        if (!range.finite)
+        if (!range.finite || !is_temperature(scaling_.temperature))
             return false;
         const double scale = 1 / scaling_.temperature,
                      log_sum = std::log(detail::sum_of_exponentials(known, range.largest, scale));
@@ -95,6 +96,9 @@ public:
     }
 
 private:
+    [[nodiscard]] static double clamped(double correlation) noexcept {
+        return correlation < 1 ? std::max(correlation, 0.0) : 1.0;
+    }
     /// What a sum of correlated observations is multiplied by.
     [[nodiscard]] static double share(std::size_t count, double correlation) noexcept {
         return count > 1 ? 1 / (1 + static_cast<double>(count - 1) * correlation) : 1;

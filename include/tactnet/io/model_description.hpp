@@ -3,6 +3,7 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors/index.hpp>
 #include <tactnet/io/safetensors/json_scanner.hpp>
+#include <tactnet/networks/recognition.hpp>
 #include <tactnet/text/numbers.hpp>
 #include <tactnet/text/quoting.hpp>
 
@@ -112,7 +113,9 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
     d.scale = detail::number_in<float>(file, "input_scale", "a positive number", ours);
     d.bits = detail::number_in<std::size_t>(file, "bits", eight_bits, ours);
     require(!d.bits || *d.bits == 8, "bits", eight_bits);
-    d.temperature = detail::number_in<double>(file, "temperature", "a positive number", ours);
+    constexpr const char* temperatures = "a number from 0.001 to 1000";
+    d.temperature = detail::number_in<double>(file, "temperature", temperatures, ours);
+    require(!d.temperature || is_temperature(*d.temperature), "temperature", temperatures);
     return d;
 }
 

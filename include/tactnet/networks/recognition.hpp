@@ -72,14 +72,22 @@ concept borrowed_names = borrowed_range<Names> && requires(const std::remove_ref
     std::string_view(names[names.size()]);
 };
 
+/// Whether logits may be divided by it: from 0.001 to 1000, beyond which probabilities are equal or certain.
+[[nodiscard]] constexpr bool is_temperature(double temperature) noexcept {
+    return temperature >= 1e-3 && temperature <= 1e3;
+}
+
 /// The class with the largest of the first `classes` logits (ties go to the first), and its probability by a
-/// softmax in double. A network may have more outputs than classes; further outputs are unused.
-/// std::nullopt if there is no class, if there are fewer logits than classes, or if one of them is NaN or
-/// infinite.
-[[nodiscard]] inline std::optional<recognition> classify_logits(std::span<const float> logits,
-                                                                std::size_t classes) noexcept {
-    return detail::classify_by(logits, classes,
-                               [](double logit, double largest) { return std::exp(logit - largest); });
+/// softmax in double of logits ÷ temperature. A network may have more outputs than classes; further outputs
+/// are unused. std::nullopt if there is no class, if there are fewer logits than classes, if one of them is
+/// NaN or infinite, or if the temperature is none (is_temperature).
+[[nodiscard]] inline std::optional<recognition>
+classify_logits(std::span<const float> logits, std::size_t classes, double temperature = 1) noexcept {
+    if (!is_temperature(temperature))
+        return std::nullopt;
+    return detail::classify_by(logits, classes, [=](double logit, double largest) {
+        return std::exp((logit - largest) / temperature);
+    });
 }
 /// As many classes as names, which must outlive the result.
 template <borrowed_names Names>
