@@ -207,3 +207,44 @@ TEST_CASE("special_functions: the same bits in vectors of every width, the limit
         },
         functions);
 }
+
+TEST_CASE("at_least, at_most, maximum_or_second: NaN and zeros of opposite signs in vectors of every width") {
+    const auto check = [](auto width) {
+        using wide = sized_vector<float, width>;
+        const auto every = [](const wide& v, const auto& holds) {
+            alignas(vector_alignment) std::array<float, decltype(width)::value> to;
+            store_as(to.data(), v);
+            return std::all_of(to.begin(), to.end(), holds);
+        };
+        const auto is = [&](const wide& v, float expected) {
+            return every(v,
+                         [=](float x) { return x == expected && std::signbit(x) == std::signbit(expected); });
+        };
+        const auto is_nan = [&](const wide& v) { return every(v, [](float x) { return std::isnan(x); }); };
+        const wide negative_zero(-0.0F), zero(0.0F), one(1.0F), broken(NAN);
+        CHECK(is(at_least(zero, one), 1));
+        CHECK(is(at_least(one, zero), 1));
+        CHECK(is(at_most(zero, one), 0));
+        CHECK(is(at_most(one, zero), 0));
+        for (const wide& limit : {negative_zero, zero, one}) {
+            CHECK(is_nan(at_least(limit, broken)));
+            CHECK(is_nan(at_most(limit, broken)));
+            CHECK(is_nan(maximum_or_second(limit, broken)));
+            CHECK_FALSE(is_nan(maximum_or_second(broken, limit)));
+        }
+#if defined(__aarch64__) && !defined(TACTNET_NO_SIMD)
+        const float larger = 0, smaller = -0.0F; // whichever is x
+#else
+        const float larger = -0.0F, smaller = 0; // x
+#endif
+        CHECK(is(at_least(zero, negative_zero), larger));
+        CHECK(is(at_most(negative_zero, zero), smaller));
+        CHECK(is(at_least(negative_zero, zero), 0));
+        CHECK(is(at_most(zero, negative_zero), -0.0F));
+        CHECK(is(maximum_or_second(zero, negative_zero), -0.0F));
+        CHECK(is(maximum_or_second(negative_zero, zero), 0));
+    };
+    check(constant<min_lanes<float>>{});
+    check(constant<lanes_for<float>(8)>{});
+    check(constant<lanes<float>>{});
+}

@@ -50,15 +50,25 @@ template <float_vector Vector>
 choose_lanes(const typename Vector::batch_bool_type& condition, const Vector& yes, const Vector& no) {
     return xsimd::select(condition, yes, no);
 }
-/// The larger of a limit, which is a number, and x; NaN stays NaN. One instruction, a choice takes two.
+/// The larger of a limit, which is a number, and x, and x if they are equal; NaN stays NaN. One instruction;
+/// that of ARM returns +0 for zeros of opposite signs.
 template <float_vector Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector at_least(const Vector& limit, const Vector& x) {
+#if defined(__SSE2__) || defined(__wasm_simd128__)
+    return Vector(detail::larger(limit.data, x.data));
+#else // NaN if either is, whatever their order
     return xsimd::max(limit, x);
+#endif
 }
-/// The smaller of a limit, which is a number, and x; NaN stays NaN.
+/// The smaller of a limit, which is a number, and x, and x if they are equal; NaN stays NaN. One instruction;
+/// that of ARM returns −0 for zeros of opposite signs.
 template <float_vector Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector at_most(const Vector& limit, const Vector& x) {
+#if defined(__SSE2__) || defined(__wasm_simd128__)
+    return Vector(detail::smaller(limit.data, x.data));
+#else
     return xsimd::min(limit, x);
+#endif
 }
 /// |x|.
 template <float_vector Vector>

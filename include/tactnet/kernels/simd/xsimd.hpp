@@ -24,7 +24,8 @@
 #endif
 #endif
 
-// xsimd, and the fused multiply-add that it lacks in old versions.
+// xsimd, and what differs between its versions: the fused multiply-add, which old ones lack, and the larger
+// and the smaller of two numbers, of which version 14.2 exchanged the operands.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
@@ -64,6 +65,40 @@ namespace detail {
     return _mm512_fmadd_pd(a, b, c);
 }
 #endif
+#endif
+
+// The instruction that returns its second operand if one is NaN or both are zero. Of a comparison and a
+// choice, GCC 12 makes up to four.
+#if defined(__SSE2__)
+[[nodiscard]] [[gnu::always_inline]] inline __m128 larger(__m128 a, __m128 b) {
+    return _mm_max_ps(a, b);
+}
+[[nodiscard]] [[gnu::always_inline]] inline __m128 smaller(__m128 a, __m128 b) {
+    return _mm_min_ps(a, b);
+}
+#ifdef __AVX__
+[[nodiscard]] [[gnu::always_inline]] inline __m256 larger(__m256 a, __m256 b) {
+    return _mm256_max_ps(a, b);
+}
+[[nodiscard]] [[gnu::always_inline]] inline __m256 smaller(__m256 a, __m256 b) {
+    return _mm256_min_ps(a, b);
+}
+#endif
+#ifdef __AVX512F__
+[[nodiscard]] [[gnu::always_inline]] inline __m512 larger(__m512 a, __m512 b) {
+    return _mm512_max_ps(a, b);
+}
+[[nodiscard]] [[gnu::always_inline]] inline __m512 smaller(__m512 a, __m512 b) {
+    return _mm512_min_ps(a, b);
+}
+#endif
+#elif defined(__wasm_simd128__)
+[[nodiscard]] [[gnu::always_inline]] inline v128_t larger(v128_t a, v128_t b) {
+    return wasm_f32x4_pmax(b, a);
+}
+[[nodiscard]] [[gnu::always_inline]] inline v128_t smaller(v128_t a, v128_t b) {
+    return wasm_f32x4_pmin(b, a);
+}
 #endif
 } // namespace detail
 
