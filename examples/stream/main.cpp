@@ -155,9 +155,8 @@ bool run(Decoder decoder, stage& to) {
 }
 
 bool run(const arguments& given) {
-    const auto file = tactnet::safetensors::read(given.weights);
-    const auto model = tactnet::load_model<touch_network>(file);
-    touch_reader reader(model, {tactnet::describe_model(file).temperature.value_or(1)}, given.frames_of_air);
+    const auto model = tactnet::load_model<touch_network>(given.weights);
+    touch_reader reader(model, given.frames_of_air);
     stage to(given, reader, model.classes);
     switch (given.from) {
     case arguments::source::own:

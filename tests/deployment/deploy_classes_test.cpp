@@ -64,6 +64,23 @@ std::array<std::uint8_t, size.size()> frame(std::uint64_t seed) {
 
 } // namespace
 
+TEST_CASE("deployed: a temperature divides the logits, also those before a softmax at the end") {
+    auto ends = deploy(trained<ending>(4));
+    auto plain = deploy(trained<net>(4));
+    ends.set_temperature(3), plain.set_temperature(3);
+    for (std::uint64_t seed = 0; seed < 10; ++seed) {
+        const auto counts = frame(seed);
+        std::array<float, net::outputs> logits{};
+        REQUIRE(plain.infer(counts, logits) == frame_status::ok);
+        const double right = classify_logits(logits, 4, 3)->probability;
+        CHECK(plain.classify(counts)->probability == right);
+        CHECK(ends.classify(counts)->probability == doctest::Approx(right).epsilon(1e-5));
+    }
+    const std::array<float, 2> shares{0.25f, 0.5f};
+    CHECK(classify_probabilities(shares, 2, 0.5)->probability == doctest::Approx(0.8)); // 4 of 1 + 4
+    CHECK_FALSE(classify_probabilities(shares, 2, 0.0).has_value());
+}
+
 TEST_CASE("deployed: the class of the logits that it gives, and those of the bare network") {
     const auto m = trained<net>(5);
     const auto network = deploy(m);

@@ -1,5 +1,7 @@
+#include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/io/deployed_file.hpp>
 #include <tactnet/io/eight_bit_file.hpp>
+#include <tactnet/io/save_model.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/quantisation.hpp>
 
@@ -110,6 +112,45 @@ void refuses(const safetensors& file, const std::string& place, const std::strin
 }
 
 } // namespace
+
+TEST_CASE("load_deployed: one file gives one probability everywhere, by the temperature that it states") {
+    const support::temporary_folder folder;
+    const auto path = folder.path() / "net.safetensors", in_bits = folder.path() / "net_8bit.safetensors";
+    model<net> m = trained(3);
+    m.temperature = 0.5;
+    save_model(path, m, {}, images(2));
+    CHECK(describe_model(safetensors::read(path)).temperature == 0.5);
+    CHECK(load_model<net>(path).temperature == 0.5);
+    const auto loaded = load_deployed<net>(path);
+    const auto bits = deploy<eight_bit>(load_model<net>(path), std::span<const std::uint8_t>(images(3)));
+    save_deployed(in_bits, bits);
+    const auto bits_loaded = load_deployed<net, eight_bit>(in_bits);
+    const auto counts = images(1);
+    const std::span<const std::uint8_t, pixels> frame(counts);
+    const auto check = [&](const auto& network) {
+        std::array<float, net::outputs> logits;
+        REQUIRE(network.infer(frame, logits) == frame_status::ok);
+        const double right = temperature_scaling{0.5}.classify(logits, 3)->probability;
+        CHECK(right != classify_logits(logits, std::size_t{3})->probability);
+        CHECK(network.temperature() == 0.5);
+        CHECK(network.classify(frame)->probability == right);
+        CHECK(network.view().classify(frame)->probability == right);
+        thread_pool alone;
+        CHECK(network.classify(std::span<const std::uint8_t>(counts), alone)[0]->probability == right);
+    };
+    check(loaded), check(bits), check(bits_loaded);
+
+    // A file that states it only in the metadata of its writer, and a temperature that is none.
+    m.temperature = 1;
+    save_model(path, m, {{"temperature", "2"}});
+    CHECK(load_deployed<net>(path).temperature() == 2);
+    m.temperature = 0;
+    CHECK_THROWS_WITH_AS(save_model(path, m),
+                         "model: expected a temperature from 0.001 to 1000, found 0.000000",
+                         std::invalid_argument);
+    CHECK_THROWS_AS((void)deploy(m), std::invalid_argument);
+    CHECK(load_model<net>(path).temperature == 2);
+}
 
 TEST_CASE("load_deployed: a model's file gives what load_model and deploy give, tested in that form") {
     const support::temporary_folder folder;

@@ -2,6 +2,7 @@
 
 #include <tactnet/decision/prediction_set.hpp>
 #include <tactnet/decision/temperature_scaling.hpp>
+#include <tactnet/networks/model.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -102,9 +103,7 @@ inline void check_held_out(const std::string& caller, std::span<const float> log
     if (!(coverage > 0 && coverage < 1))
         throw std::invalid_argument("fit_prediction_set: expected a coverage above 0 and below 1, found " +
                                     std::to_string(coverage));
-    if (!is_temperature(scaling.temperature))
-        throw std::invalid_argument("fit_prediction_set: expected a temperature from 0.001 to 1000, found " +
-                                    std::to_string(scaling.temperature));
+    detail::check_temperature("fit_prediction_set", scaling.temperature);
     detail::check_held_out("fit_prediction_set", logits, outputs, labels, classes);
     // Probabilities of the right class, negated: the smallest come last.
     std::vector<double> negated, logarithms(classes);

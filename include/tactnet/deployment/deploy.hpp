@@ -102,11 +102,13 @@ public:
         set_limit();
         view_type::pack(folded_.data(), packed_.data());
     }
-    /// A trained network with its normalisation and the names of its classes. Throws as set_classes, too.
+    /// A trained network with its normalisation and the names of its classes. Throws as set_classes and
+    /// set_temperature, too.
     explicit deployed(const model<Network>& trained)
         requires std::is_same_v<Format, single_precision>
         : deployed(trained.network, trained.normalise.mean.view().elements(), trained.normalise.scale) {
         set_classes(trained.classes);
+        set_temperature(trained.temperature);
     }
     /// From folded numbers, as folded() returns them. Throws std::invalid_argument if one is NaN or infinite,
     /// or if the number format cannot hold it.
@@ -136,8 +138,20 @@ public:
         return classes_.empty() ? outputs : classes_.size();
     }
 
-    /// A view of these weights, which must outlive the view, and of the number of classes as it is now.
-    [[nodiscard]] view_type view() const& noexcept { return view_type(packed_.data(), class_count()); }
+    /// Sets what logits are divided by for the probabilities of `classify`, as fit_temperature finds it.
+    /// Throws std::invalid_argument unless is_temperature(temperature).
+    void set_temperature(double temperature) {
+        detail::check_temperature("deploy", temperature);
+        temperature_ = temperature;
+    }
+    /// 1, or the temperature of the model or file.
+    [[nodiscard]] double temperature() const noexcept { return temperature_; }
+
+    /// A view of these weights, which must outlive the view, and of the number of classes and the temperature
+    /// as they are now.
+    [[nodiscard]] view_type view() const& noexcept {
+        return view_type(packed_.data(), class_count(), temperature_);
+    }
     view_type view() const&& = delete;
     operator view_type() const& noexcept { return view(); }
     operator view_type() const&& = delete;
@@ -244,6 +258,7 @@ private:
     aligned_vector<float> folded_;
     aligned_vector<typename Format::packed_number> packed_;
     std::vector<std::string> classes_;
+    double temperature_ = 1;
 };
 
 /// Turns a trained network into its fastest form, for inputs (count − mean) × scale. Takes any list of layers

@@ -148,13 +148,15 @@ public:
     }
 
     /// `packed` must outlive the view and be aligned to `vector_alignment`. Only the first `classes` outputs
-    /// stand for a class.
-    constexpr explicit deployed_view(const packed_number* packed, std::size_t classes = outputs) noexcept
-        : packed_(packed), classes_(classes) {}
-    constexpr explicit deployed_view(const packed_weights& weights, std::size_t classes = outputs) noexcept
-        : deployed_view(weights.elements.data(), classes) {}
-    explicit deployed_view(const packed_weights&&,
-                           std::size_t = outputs) = delete; // they must outlive the view
+    /// stand for a class. Logits are divided by the temperature for probabilities.
+    constexpr explicit deployed_view(const packed_number* packed, std::size_t classes = outputs,
+                                     double temperature = 1) noexcept
+        : packed_(packed), classes_(classes), temperature_(temperature) {}
+    constexpr explicit deployed_view(const packed_weights& weights, std::size_t classes = outputs,
+                                     double temperature = 1) noexcept
+        : deployed_view(weights.elements.data(), classes, temperature) {}
+    explicit deployed_view(const packed_weights&&, std::size_t = outputs,
+                           double = 1) = delete; // they must outlive the view
 
     using detail::refused_calls<Input, outputs>::infer;
     using detail::refused_calls<Input, outputs>::classify;
@@ -191,9 +193,9 @@ public:
     [[nodiscard]] std::optional<recognition>
     classify_outputs(std::span<const float, outputs> found) const noexcept {
         if constexpr (Steps::gives_probabilities)
-            return classify_probabilities(found, classes_);
+            return classify_probabilities(found, classes_, temperature_);
         else
-            return classify_logits(found, classes_);
+            return classify_logits(found, classes_, temperature_);
     }
     /// How many numbers the last layer reads: the features of a frame, if it is a dense layer. 0 for a
     /// network of a single step.
@@ -257,6 +259,7 @@ private:
 
     const packed_number* packed_;
     std::size_t classes_;
+    double temperature_;
 };
 
 }} // namespace tactnet

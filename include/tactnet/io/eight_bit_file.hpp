@@ -33,6 +33,7 @@ template <class Network, class Format>
         return detail::logits_of(network, images, classes);
     });
     network.set_classes(std::move(stored.classes));
+    network.set_temperature(stored.temperature);
     return network;
 }
 /// Reads the file of a network in 8 bits.
@@ -51,10 +52,13 @@ template <class Network>
                                  std::span<const std::uint8_t> selftest = {}) {
     safetensors_writer writer;
     writer.metadata = std::move(metadata);
-    add_deployed(writer, folded_layout_of<typename deployed<Network, eight_bit>::view_type>(),
-                 network.folded(), network.classes(), selftest, [&](std::span<const std::uint8_t> images) {
-                     return detail::logits_of(network, images, network.classes().size());
-                 });
+    add_deployed(
+        writer, folded_layout_of<typename deployed<Network, eight_bit>::view_type>(), network.folded(),
+        network.classes(), selftest,
+        [&](std::span<const std::uint8_t> images) {
+            return detail::logits_of(network, images, network.classes().size());
+        },
+        network.temperature());
     writer.write(path);
 }
 

@@ -38,6 +38,7 @@ struct stored_model {
     std::vector<float> mean;                ///< of the input; empty where none is subtracted
     float scale = 1;
     std::vector<std::string> classes;
+    double temperature = 1; ///< of probabilities
 };
 
 /// model::logits of any network, as an argument: a reference, which must not outlive what it refers to.
@@ -107,6 +108,7 @@ class_names(const safetensors_index& file, std::vector<std::string> names, std::
         detail::check_values(file, "input_mean", m.mean);
     }
     m.scale = d.scale.value_or(1.0F);
+    m.temperature = d.temperature.value_or(1.0);
     return m;
 }
 
@@ -147,6 +149,7 @@ template <class Network>
     std::copy(stored.mean.begin(), stored.mean.end(), m.normalise.mean.begin());
     m.normalise.scale = stored.scale;
     m.classes = std::move(stored.classes);
+    m.temperature = stored.temperature;
     return m;
 }
 

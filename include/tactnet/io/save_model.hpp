@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -25,9 +26,15 @@ struct model_parts {
     std::span<const float> mean; ///< of the input, one per pixel
     float scale = 1;
     std::span<const std::string> classes;
+    double temperature = 1; ///< of probabilities
 };
 
 namespace detail {
+
+/// What a file says of a temperature: nothing of 1, so that what the caller says in the metadata remains.
+[[nodiscard]] inline std::optional<double> to_store(double temperature) {
+    return temperature == 1 ? std::nullopt : std::optional(temperature);
+}
 
 [[gnu::cold]] inline std::string json_array(std::span<const std::string> texts) {
     std::string json = "[";
@@ -106,7 +113,8 @@ template <class Network>
                       .epsilon = m.network.epsilon,
                       .mean = m.normalise.mean.view().elements(),
                       .scale = m.normalise.scale,
-                      .classes = m.classes};
+                      .classes = m.classes,
+                      .temperature = m.temperature};
     m.network.for_each_parameter(
         [&](const auto&, std::span<const float> values) { parts.values.push_back(values); });
     return parts;
@@ -114,7 +122,7 @@ template <class Network>
 
 /// Adds a model to a file: its arrays, and its description to the metadata. `selftest` holds images to store
 /// with their logits, which `logits` computes. Throws std::invalid_argument unless there are 1 to as many
-/// classes as outputs.
+/// classes as outputs, and the temperature is one.
 [[gnu::cold]] inline void add_model(safetensors_writer& writer, const model_parts& m,
                                     std::span<const std::uint8_t> selftest, const logits_function& logits) {
     const std::size_t classes = m.classes.size();
@@ -122,13 +130,16 @@ template <class Network>
     bool subtracts = false;
     for (const float mean : m.mean)
         subtracts = subtracts || mean != 0;
+    detail::check_temperature("model", m.temperature);
     add_description(writer.metadata, {.network = {},
                                       .rows = m.input.rows,
                                       .columns = m.input.columns,
                                       .classes = {m.classes.begin(), m.classes.end()},
                                       .epsilon = m.epsilon,
                                       .subtracts_mean = subtracts,
-                                      .scale = m.scale});
+                                      .scale = m.scale,
+                                      .bits = {},
+                                      .temperature = detail::to_store(m.temperature)});
     for (std::size_t i = 0; i < m.values.size(); ++i)
         detail::add_array(writer, m.arrays, i, m.values[i], classes);
     if (subtracts)

@@ -31,6 +31,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 struct stored_deployed {
     std::vector<float> folded; ///< for the constructor of `deployed`
     std::vector<std::string> classes;
+    double temperature = 1; ///< of probabilities
 };
 
 namespace detail {
@@ -88,7 +89,8 @@ for_each_folded(const folded_layout& layout, const stored_arrays& arrays,
     const stored_arrays arrays = detail::arrays_of(layout, classes);
     require_arrays(file, arrays, classes);
 
-    stored_deployed stored{std::vector<float>(layout.numbers), std::move(d.classes)};
+    stored_deployed stored{std::vector<float>(layout.numbers), std::move(d.classes),
+                           d.temperature.value_or(1.0)};
     float* const folded = stored.folded.data();
     const auto read = [&](const named_array& array) {
         const std::vector<float> values = file.values<float>(array.name);
@@ -135,8 +137,8 @@ for_each_folded(const folded_layout& layout, const stored_arrays& arrays,
 /// computes. Throws std::invalid_argument unless there are 1 to as many classes as outputs.
 [[gnu::cold]] inline void add_deployed(safetensors_writer& writer, const folded_layout& layout,
                                        std::span<const float> folded, std::span<const std::string> classes,
-                                       std::span<const std::uint8_t> selftest,
-                                       const logits_function& logits) {
+                                       std::span<const std::uint8_t> selftest, const logits_function& logits,
+                                       double temperature = 1) {
     detail::check_classes("deployed", classes.size(), layout.outputs);
     const std::span<const float> mean = folded.first(layout.input.size());
     bool subtracts = false;
@@ -149,7 +151,8 @@ for_each_folded(const folded_layout& layout, const stored_arrays& arrays,
                                       .epsilon = {},
                                       .subtracts_mean = subtracts,
                                       .scale = {},
-                                      .bits = 8});
+                                      .bits = 8,
+                                      .temperature = detail::to_store(temperature)});
     const stored_arrays arrays = detail::arrays_of(layout, classes.size());
     const auto add = [&](const named_array& array) {
         writer.add(array.name, array.extents, folded.subspan(array.offset, array.size));

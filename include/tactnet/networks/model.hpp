@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/networks/normalisation.hpp>
+#include <tactnet/networks/recognition.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 
 #include <cstddef>
@@ -23,6 +24,13 @@ inline std::size_t count_images(std::size_t pixels, std::size_t size) {
     return pixels / size;
 }
 
+[[gnu::cold, gnu::noinline]] inline void check_temperature(const char* caller, double temperature) {
+    if (!is_temperature(temperature))
+        throw std::invalid_argument(std::string(caller) +
+                                    ": expected a temperature from 0.001 to 1000, found " +
+                                    std::to_string(temperature));
+}
+
 } // namespace detail
 
 /// A trained network with its normalisation and the names of its classes.
@@ -32,6 +40,8 @@ struct model {
     normalisation<Network::input_shape> normalise;
     /// Names of the first outputs, in order: from 1 to Network::outputs. Further outputs are unused.
     std::vector<std::string> classes;
+    /// What logits are divided by for probabilities (is_temperature): 1, or as fit_temperature finds it.
+    double temperature = 1;
 
     /// Logits of images stored one after the other: a row of Network::outputs for each. Throws
     /// std::invalid_argument unless there is a whole number of images, one or more.

@@ -97,11 +97,16 @@ template <borrowed_names Names>
 }
 
 /// The class with the largest of the first `classes` probabilities, as of a network that ends in a softmax,
-/// and its share of their sum. std::nullopt as classify_logits, and if all are zero.
+/// and its share of their sum; at a temperature other than 1, of their powers by 1 ÷ temperature, as if it
+/// divided the logits before the softmax. std::nullopt as classify_logits, and if all are zero.
 [[nodiscard]] inline std::optional<recognition> classify_probabilities(std::span<const float> probabilities,
-                                                                       std::size_t classes) noexcept {
-    return detail::classify_by(probabilities, classes,
-                               [](double probability, double) { return probability; });
+                                                                       std::size_t classes,
+                                                                       double temperature = 1) noexcept {
+    if (!is_temperature(temperature))
+        return std::nullopt;
+    return detail::classify_by(probabilities, classes, [=](double probability, double largest) {
+        return temperature == 1 ? probability : std::pow(probability / largest, 1 / temperature);
+    });
 }
 /// As many classes as names, which must outlive the result.
 template <borrowed_names Names>

@@ -104,7 +104,7 @@ deploy(const Network& network, std::span<const float, Network::input_shape.size(
         eight_bit_calibration<Network>(network, mean, scale, images).folded());
 }
 
-/// Deploys a trained network in 8 bits, with the names of its classes:
+/// Deploys a trained network in 8 bits, with the names of its classes and its temperature:
 ///
 ///     const auto network = deploy<eight_bit>(model, training_images);
 template <class Format, class Network>
@@ -114,6 +114,7 @@ template <class Format, class Network>
     auto network = deploy<eight_bit>(trained.network, trained.normalise.mean.view().elements(),
                                      trained.normalise.scale, images);
     network.set_classes(trained.classes);
+    network.set_temperature(trained.temperature);
     return network;
 }
 

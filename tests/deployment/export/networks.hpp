@@ -88,5 +88,7 @@ tactnet::tensor<float, Network::input_shape> mean_of() {
 template <class Network>
 tactnet::deployed<Network> deployed_network() {
     const auto mean = mean_of<Network>();
-    return tactnet::deploy(filled_network<Network>(), mean.view().elements(), 1.0f / 64);
+    auto network = tactnet::deploy(filled_network<Network>(), mean.view().elements(), 1.0f / 64);
+    network.set_temperature(0.7);
+    return network;
 }

@@ -87,12 +87,15 @@ template <class Network, class Format>
          {"outputs", std::to_string(deployed_type::outputs)},
          {"parameters", std::to_string(Network::parameters)},
          {"remaining", std::to_string(view::folded_elements - view::steps_folded)},
-         {"known", description.classes.empty() ? "" : ", classes.size()"},
+         {"known",
+          (description.classes.empty() ? network.temperature() == 1 ? "" : ", recogniser_type::outputs"
+                                       : ", classes.size()") +
+              (network.temperature() == 1 ? "" : ", " + detail::literal(network.temperature()))},
          {"memory", on_stack ? "" : ", memory"},
          {"memory parameter", on_stack ? "" : "recogniser_type::workspace& memory"},
          {"frame", detail::number_lines<std::uint8_t>(
                        frame, [](std::uint8_t count) { return std::to_string(count); })},
-         {"frame outputs", detail::number_lines<float>(outputs, detail::float_literal)}});
+         {"frame outputs", detail::number_lines<float>(outputs, detail::literal<float>)}});
     return detail::filled(
         {detail::network_comment, detail::header_beginning, detail::network_selftest, detail::header_end},
         fields);

@@ -101,7 +101,7 @@ common_fields(const header_description& description, const step_text& steps, std
             {"steps", steps.definitions()},
             {"class count", std::to_string(description.classes.size())},
             {"classes", classes},
-            {"numbers", number_lines<float>(folded, float_literal)},
+            {"numbers", number_lines<float>(folded, literal<float>)},
             {"count", std::to_string(folded.size())},
             {"packed", std::string(when_compiling ? packed_when_compiling : packed_at_start)}};
 }

@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <initializer_list>
 #include <span>
@@ -40,11 +41,12 @@ inline std::string one_line(std::string text) {
 }
 
 /// A number in hexadecimal, which is exact and as quick to compile as decimal numbers.
-inline std::string float_literal(float value) {
+template <std::floating_point Number>
+std::string literal(Number value) {
     char text[32];
-    const float magnitude = std::abs(value);
-    const auto end = std::to_chars(text, text + sizeof(text), magnitude, std::chars_format::hex);
-    return (std::signbit(value) ? "-0x" : "0x") + std::string(text, end.ptr) + "f";
+    const auto end = std::to_chars(text, text + sizeof(text), std::abs(value), std::chars_format::hex);
+    return (std::signbit(value) ? "-0x" : "0x") + std::string(text, end.ptr) +
+           (std::same_as<Number, float> ? "f" : "");
 }
 
 /// Numbers separated by commas, in lines of about a hundred characters.

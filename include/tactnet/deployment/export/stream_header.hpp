@@ -94,8 +94,8 @@ template <class Network, class Format>
                    {"parameters", std::to_string(Network::parameters)},
                    {"known", description.classes.empty() ? "" : ", classes.size()"},
                    {"recorded frames", std::to_string(recording.size() / view::features)},
-                   {"recording", detail::number_lines<float>(recording, detail::float_literal)},
-                   {"recorded outputs", detail::number_lines<float>(outputs, detail::float_literal)}});
+                   {"recording", detail::number_lines<float>(recording, detail::literal<float>)},
+                   {"recorded outputs", detail::number_lines<float>(outputs, detail::literal<float>)}});
     return detail::filled(
         {detail::stream_comment, detail::header_beginning, detail::stream_selftest, detail::header_end},
         fields);
