@@ -1,5 +1,4 @@
-# The target `reference`: every public name on pages that open from reference/html/index.html in the build folder; and the
-# target `site`: these and the pages of docs/, with a search, in the folder `site`, for any static host.
+# The target `reference`: every public name on pages that open from reference/html/index.html in the build folder.
 
 # tactnet_add_reference(): does nothing but say so where Doxygen is missing.
 function(tactnet_add_reference)
@@ -24,25 +23,4 @@ function(tactnet_add_reference)
         COMMENT "The reference: ${reference_folder}/html/index.html"
         VERBATIM
     )
-endfunction()
-
-# tactnet_add_site(): after tactnet_add_reference(); does nothing but say so where something is missing.
-function(tactnet_add_site)
-    find_package(Python3 3.7 QUIET COMPONENTS Interpreter)
-    find_program(TACTNET_MKDOCS mkdocs)
-    # Its theme follows the reader's choice of light or dark, as the pictures do.
-    find_file(TACTNET_MKDOCS_THEME material/main.html PATH_SUFFIXES share/mkdocs/themes)
-    if(NOT TARGET reference OR NOT Python3_FOUND OR NOT TACTNET_MKDOCS OR NOT TACTNET_MKDOCS_THEME)
-        message(STATUS "tactnet: the target site is left out (needs doxygen, python3, mkdocs and mkdocs-material)")
-        return()
-    endif()
-    add_custom_target(
-        site
-        COMMAND
-            "${Python3_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/docs/site/make.py" --mkdocs "${TACTNET_MKDOCS}" --reference
-            "${PROJECT_BINARY_DIR}/reference/html" --out "${PROJECT_BINARY_DIR}/site" --version "${PROJECT_VERSION}"
-        COMMENT "The site: ${PROJECT_BINARY_DIR}/site/index.html"
-        VERBATIM
-    )
-    add_dependencies(site reference)
 endfunction()

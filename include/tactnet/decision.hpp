@@ -11,4 +11,3 @@
 #include <tactnet/decision/sensor_health.hpp>
 #include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/decision/touch_evidence.hpp>
-#include <tactnet/decision/unknown_score.hpp>

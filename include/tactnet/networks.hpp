@@ -12,7 +12,5 @@
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/networks/symmetric_window.hpp>
 #include <tactnet/networks/tactnet4.hpp>
-#include <tactnet/networks/tactnet4_strided.hpp>
 #include <tactnet/networks/tactnet6.hpp>
-#include <tactnet/networks/tactnet6_symmetric.hpp>
 #include <tactnet/networks/tactresnet.hpp>

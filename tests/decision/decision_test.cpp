@@ -1,7 +1,7 @@
+#include <tactnet/decision/discriminant.hpp>
 #include <tactnet/decision/exponentials.hpp>
 #include <tactnet/decision/gain_monitor.hpp>
 #include <tactnet/decision/touch_evidence.hpp>
-#include <tactnet/decision/unknown_score.hpp>
 
 #include <doctest/doctest.h>
 
@@ -211,13 +211,7 @@ TEST_CASE("touch_evidence: where probabilities are calibrated and grasps indepen
     }
 }
 
-using map_type = discriminant<3, 2>;
 using means_type = class_means<2, 4>;
-using distance = distance_score<3, 2, 4>;
-
-static_assert(unknown_score<softmax_score> && unknown_score<energy_score> && unknown_score<direction_score> &&
-              unknown_score<distance>);
-static_assert(!unknown_score<map_type>);
 
 TEST_CASE("sum_of_exponentials: within its bound of a sum in double, for any number of values") {
     std::mt19937 random(4);
@@ -242,61 +236,26 @@ TEST_CASE("sum_of_exponentials: within its bound of a sum in double, for any num
     CHECK_FALSE(detail::value_range<float>(std::array{-std::numeric_limits<float>::infinity()}).finite);
 }
 
-TEST_CASE("unknown_score: by hand") {
-    const std::array logits{1.0F, 3.0F, 2.0F}, features{3.0F, 0.0F, 4.0F};
-    const double sum = std::exp(1.0) + std::exp(3.0) + std::exp(2.0);
-    CHECK(softmax_score{}(logits, features) == doctest::Approx(std::log(sum) - 3));
-    CHECK(energy_score{}(logits, features) == doctest::Approx(-std::log(sum)));
-    CHECK(direction_score{}(logits, features) == doctest::Approx(-3.0 / 5));
-
-    map_type map;
-    map.directions = {1, 0, 0, 1, 0, 0}; // the first two features
+TEST_CASE("class_means: distances relative to the spread, by hand") {
     means_type means;
-    CHECK(std::isinf(distance(map, means)(logits, features))); // nothing has been learnt
+    CHECK_FALSE(means.nearest({3, 0}).has_value()); // nothing has been learnt
     // Class 0 spreads by 1, class 1 by 9: 5 on average, which counts as eight touches.
     for (const float x : {-1.0F, 1.0F})
         CHECK(means.learn(0, {x, 0}));
-    CHECK(distance(map, means)(logits, features) == doctest::Approx(9));
+    CHECK(means.nearest({3, 0})->relative_distance == doctest::Approx(9));
     for (const float x : {47.0F, 53.0F})
         CHECK(means.learn(1, {x, 0}));
-    CHECK(distance(map, means)(logits, features) == doctest::Approx(9 / ((2 * 1 + 8 * 5) / 10.0)));
-    CHECK(distance(map, means)(logits, std::array{50.0F, 3.0F, 0.0F}) ==
-          doctest::Approx(9 / ((2 * 9 + 8 * 5) / 10.0)));
-
-    const product_score both{distance(map, means), softmax_score{}};
-    static_assert(unknown_score<decltype(both)>);
-    CHECK(both(logits, features) ==
-          doctest::Approx(distance(map, means)(logits, features) * softmax_score{}(logits, features)));
-
-    const unknown_detector<distance> detector{distance(map, means), 2.0};
-    CHECK(detector.is_unknown(logits, features));
-    CHECK_FALSE(detector.is_unknown(logits, std::array{1.0F, 0.0F, 0.0F}));
+    CHECK(means.nearest({3, 0})->relative_distance == doctest::Approx(9 / ((2 * 1 + 8 * 5) / 10.0)));
+    CHECK(means.nearest({50, 3})->relative_distance == doctest::Approx(9 / ((2 * 9 + 8 * 5) / 10.0)));
 }
 
-TEST_CASE("unknown_score: what is not finite is of no known object, and there is no heap") {
-    map_type map;
-    map.directions = {1, 0, 0, 1, 0, 0};
+TEST_CASE("class_means: what is not finite is near no class, and there is no heap") {
     means_type means;
     CHECK(means.learn(0, {0, 0}));
-    const std::array good{1.0F, 2.0F}, certain{200.0F, 0.0F};
-    const std::array sound{1.0F, 2.0F, 3.0F}, none{0.0F, 0.0F, 0.0F};
     const std::size_t before = support::allocations();
     for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
-                            -std::numeric_limits<float>::infinity()}) {
-        const std::array logits{1.0F, bad};
-        const std::array features{bad, 0.0F, 0.0F};
-        CHECK(softmax_score{}(logits, sound) == std::numeric_limits<double>::infinity());
-        CHECK(energy_score{}(logits, sound) == std::numeric_limits<double>::infinity());
-        CHECK(direction_score{}(logits, sound) == std::numeric_limits<double>::infinity());
-        CHECK(distance(map, means)(good, features) == std::numeric_limits<double>::infinity());
-        const product_score both{distance(map, means), distance(map, means)};
-        CHECK(both(good, features) == std::numeric_limits<double>::infinity());
-        const product_score with_zero{softmax_score{}, distance(map, means)};
-        CHECK(softmax_score{}(certain, features) == 0);
-        CHECK(with_zero(certain, features) == std::numeric_limits<double>::infinity());
-        CHECK(unknown_detector<softmax_score>{{}, 1e300}.is_unknown(logits, sound));
-    }
-    CHECK(direction_score{}(good, none) == std::numeric_limits<double>::infinity());
+                            -std::numeric_limits<float>::infinity()})
+        CHECK_FALSE(means.nearest({bad, 0}).has_value());
     CHECK(support::allocations() == before);
 }
 

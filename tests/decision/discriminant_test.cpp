@@ -128,21 +128,6 @@ TEST_CASE("fit_discriminant: unit covariance within classes, and classes apart t
 }
 
 TEST_CASE(
-    "fit_whitening: unit covariance within classes in all dimensions, and the mean of all at the origin") {
-    const cloud training(4000, 1);
-    const auto map = fit_whitening<size>(training.features, training.labels, classes, 1e-9);
-    check_unit_covariance(*map, training, 1e-3);
-    std::array<double, size> whole{};
-    for (std::size_t i = 0; i < training.labels.size(); ++i)
-        for (std::size_t d = 0; d < size; ++d)
-            whole[d] += static_cast<double>(map->project(training[i])[d]) / 4000;
-    for (const double mean : whole)
-        CHECK(std::abs(mean) < 1e-3);
-    CHECK_THROWS_WITH_AS((void)fit_whitening<size>(training.features, training.labels, 4),
-                         "fit_whitening: expected labels below 4, found 4", std::invalid_argument);
-}
-
-TEST_CASE(
     "fit_discriminant: the mean of all images is the origin; fully shrunk, distances are those of features") {
     const cloud training(1000, 6);
     const auto map = fit_discriminant<size, dimensions>(training.features, training.labels, classes, 1);

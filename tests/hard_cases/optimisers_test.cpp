@@ -1,7 +1,7 @@
 // Optimisers and trainings where gradients, rates and steps are as none should be. References run the same
 // steps in double. u is the unit roundoff of single precision.
 
-#include "record.hpp"
+#include "hold.hpp"
 
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
@@ -23,8 +23,6 @@
 
 using namespace tactnet;
 using hard_cases::hold;
-using hard_cases::limit;
-using hard_cases::reported;
 using hard_cases::unit;
 
 namespace {
@@ -60,12 +58,9 @@ TEST_CASE("adamw: gradients whose square is hardly a number") {
     for (const float gradient : {1.7e20f, 1e-5f}) {
         one_number number(adamw{.decay = 0}, 0, false);
         number.step(0.5, gradient);
-        const float second = 0.01f * (gradient * gradient), unbiased = second / (1 - 0.99f);
         const double g = static_cast<double>(gradient);
-        hold("optimisers", gradient > 1 ? "AdamW, first gradient 1.7e20" : "AdamW, first gradient 1e-5",
-             unit::relative,
-             {-0.5 * g / (g + 1e-8), static_cast<double>(-0.5f * gradient / (std::sqrt(unbiased) + 1e-8f)),
-              number.value(), support::accumulated(u, 24)});
+        hold(gradient > 1 ? "AdamW, first gradient 1.7e20" : "AdamW, first gradient 1e-5", unit::relative,
+             {-0.5 * g / (g + 1e-8), number.value(), support::accumulated(u, 24)});
     }
 }
 
@@ -110,22 +105,13 @@ TEST_CASE("trainer: a training that cannot succeed is reported, and the last goo
     recipe how = recipe::on_features();
     how.epochs = 20;
     how.schedule = constant_rate{};
-    one_number frozen(adamw{.decay = 0}, 1, false);
-    for (int step = 0; step < 1000; ++step)
-        frozen.step(1e-2, step == 0 ? 1e21f : 1.0f);
-    reported("optimisers", "AdamW, training with gradients of 1e25", frozen.value(),
-             diverges_and_keeps(how, 1e25f, 1), "training_diverged, earlier weights kept");
+    CHECK(diverges_and_keeps(how, 1e25f, 1)); // gradients of 1e25
     how.optimiser = sgd{};
     how.rate = 1e38;
-    one_number flung(sgd{}, 1, false);
-    for (int step = 0; step < 20; ++step)
-        flung.step(1e38, static_cast<float>(flung.value()));
-    reported("optimisers", "SGD, a rate of 1e38", flung.value(), diverges_and_keeps(how, 1, 20),
-             "training_diverged, earlier weights kept");
+    CHECK(diverges_and_keeps(how, 1, 20));
     how.optimiser = adamw{};
     how.rate = INFINITY;
-    reported("optimisers", "AdamW, an infinite rate", NAN, diverges_and_keeps(how, 1, 20),
-             "training_diverged, earlier weights kept");
+    CHECK(diverges_and_keeps(how, 1, 20));
 }
 
 // With a smoothing of 1 no image has a class, beyond it an image has all classes but its own.
@@ -146,10 +132,8 @@ TEST_CASE("trainer: a label smoothing with which nothing can be learnt is reject
     };
     CHECK_FALSE(refused(0));
     CHECK_FALSE(refused(0.999));
-    reported("loss", "training with label smoothing 1: weight of the correct class", 1.0 / 3, refused(1),
-             "rejected");
-    reported("loss", "training with label smoothing 2: weight of the correct class", 2.0 / 3 - 1, refused(2),
-             "rejected");
+    CHECK(refused(1));
+    CHECK(refused(2));
     CHECK(refused(-0.1));
     CHECK(refused(NAN));
 }
@@ -161,7 +145,6 @@ TEST_CASE("adamw: one gradient, then zeros for a million steps") {
     const double rate = 0.01;
     one_number number(adamw{.decay = 0}, 1, false);
     double first = 0, second = 0, exact = 1;
-    float plain_first = 0, plain_second = 0, plain = 1;
     for (int step = 0; step < 1'000'000; ++step) {
         const float g = step == 0 ? 1.0f : 0.0f;
         number.step(rate, g);
@@ -170,49 +153,29 @@ TEST_CASE("adamw: one gradient, then zeros for a million steps") {
         const double n = step + 1;
         exact -=
             rate * (first / (1 - std::pow(0.9, n))) / (std::sqrt(second / (1 - std::pow(0.99, n))) + 1e-8);
-        plain_first = 0.9f * plain_first + (1 - 0.9f) * g;
-        plain_second = 0.99f * plain_second + (1 - 0.99f) * g * g;
-        const auto m = static_cast<float>(n);
-        plain -= 0.01f * (plain_first / (1 - std::pow(0.9f, m))) /
-                 (std::sqrt(plain_second / (1 - std::pow(0.99f, m))) + 1e-8f);
     }
-    hold("optimisers", "AdamW, one gradient, then zeros for a million steps", unit::relative,
-         {exact, static_cast<double>(plain), number.value(),
-          support::accumulated(u, 170 + 11) + 0.12 * 14 * 170 * u});
+    hold("AdamW, one gradient, then zeros for a million steps", unit::relative,
+         {exact, number.value(), support::accumulated(u, 170 + 11) + 0.12 * 14 * 170 * u});
 }
 
 // A velocity that moves by less than half a unit moves no more: half a unit ÷ (1 − momentum), and 1 −
 // momentum itself is off by u ÷ (1 − momentum), for the momentum is rounded.
 TEST_CASE("sgd: a momentum of 0.999 over a million steps") {
     one_number number(sgd{.momentum = 0.999}, 0, false);
-    float velocity = 0;
-    for (int step = 0; step < 1'000'000; ++step) {
+    for (int step = 0; step < 1'000'000; ++step)
         number.step(0, 0.1f);
-        velocity = 0.999f * velocity + 0.1f;
-    }
-    hold("optimisers", "SGD, velocity under a momentum of 0.999, a million steps", unit::relative,
-         {static_cast<double>(0.1f) / (1 - 0.999), static_cast<double>(velocity),
-          static_cast<double>(number.state().first[0]), 2 * u / (1 - 0.999) + 2 * u});
+    hold("SGD, velocity under a momentum of 0.999, a million steps", unit::relative,
+         {static_cast<double>(0.1f) / (1 - 0.999), static_cast<double>(number.state().first[0]),
+          2 * u / (1 - 0.999) + 2 * u});
 }
 
 // Each step rounds once: γ(1e6) of the weight at worst.
 TEST_CASE("adamw: weight decay over a million steps") {
-    const auto decayed = [](double rate) {
-        one_number number(adamw{.decay = 0.05}, 1, true);
-        for (int step = 0; step < 1'000'000; ++step)
-            number.step(rate, 0);
-        return number.value();
-    };
-    const auto plain = [](float share) {
-        float value = 1;
-        for (int step = 0; step < 1'000'000; ++step)
-            value *= 1 - share;
-        return static_cast<double>(value);
-    };
-    hold("optimisers", "AdamW, weight decay of 1e-6 a step, a million steps", unit::relative,
-         {std::pow(1 - 1e-6, 1e6), plain(1e-6f), decayed(2e-5), support::accumulated(u, 1e6)});
-    limit("optimisers", "AdamW, weight decay of 2e-8 a step, a million steps", plain(2e-8f), decayed(4e-7),
-          "exact: 0.980; a step below 3e-8 of a weight rounds to zero");
+    one_number number(adamw{.decay = 0.05}, 1, true);
+    for (int step = 0; step < 1'000'000; ++step)
+        number.step(2e-5, 0);
+    hold("AdamW, weight decay of 1e-6 a step, a million steps", unit::relative,
+         {std::pow(1 - 1e-6, 1e6), number.value(), support::accumulated(u, 1e6)});
 }
 
 // Nothing stops it: the loss falls towards zero. Its value is a double, of exact logits: 4 roundings and the
@@ -234,8 +197,7 @@ TEST_CASE("trainer: ten thousand epochs on 8 images") {
         t.run_epoch();
     const evaluation found =
         evaluate(t.latest(), t.input_normalisation(), task.images(), split.training, threads);
-    hold("optimisers", "10 000 epochs on 8 images: images recognised", unit::absolute,
-         {8, 8, static_cast<double>(found.confusion.correct()), 0});
+    CHECK(found.confusion.correct() == 8);
     CHECK(t.history().back().loss >= 0);
     CHECK(t.history().back().loss < 1e-2);
 }

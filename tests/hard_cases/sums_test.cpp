@@ -2,7 +2,7 @@
 // the terms' magnitudes that is off by γ(15) A for single precision and γ(10^7) A, 1e-9 A, for double.
 // References are long doubles, whose own error is 1e-12 A.
 
-#include "record.hpp"
+#include "hold.hpp"
 
 #include <tactnet/kernels/batch/reductions.hpp>
 #include <tactnet/tensor/aligned.hpp>
@@ -34,25 +34,23 @@ aligned_vector<float> filled(Term&& term) {
 
 void check_sum(const std::string& name, const aligned_vector<float>& values) {
     long double exact = 0, size = 0;
-    float plain = 0;
     for (const float v : values)
-        exact += v, size += std::abs(v), plain += v;
+        exact += v, size += std::abs(v);
     const double ours =
         kernels::sum_terms<1, float>(values.size() / kernels::lanes<float>, [&](std::size_t i) {
             return std::array<kernels::vector<float>, 1>{
                 kernels::load(values.data() + i * kernels::lanes<float>)};
         })[0];
-    hold("sums", name, unit::absolute,
-         {static_cast<double>(exact), static_cast<double>(plain), ours,
+    hold(name, unit::absolute,
+         {static_cast<double>(exact), ours,
           (support::accumulated(u, 15) + 1.2e-9) * static_cast<double>(size)});
 }
 
 /// Mean and variance: differences from the first value are rounded once, D at most; then as above.
 void check_moments(const std::string& name, const aligned_vector<float>& values) {
     long double sum = 0, squares = 0;
-    float plain_sum = 0, plain_squares = 0;
     for (const float v : values)
-        sum += v, plain_sum += v, plain_squares += v * v;
+        sum += v;
     const auto count = static_cast<long double>(values.size());
     const long double mean = sum / count;
     double farthest = 0;
@@ -60,16 +58,13 @@ void check_moments(const std::string& name, const aligned_vector<float>& values)
         squares += (v - mean) * (v - mean);
         farthest = std::max(farthest, std::abs(static_cast<double>(v) - static_cast<double>(values[0])));
     }
-    const auto plain_count = static_cast<float>(values.size());
-    const float plain_mean = plain_sum / plain_count;
     const kernels::moments ours =
         kernels::moments_of(values.data(), values.size() / kernels::lanes<float>, kernels::lanes<float>);
-    hold("sums", name + ", mean", unit::absolute,
-         {static_cast<double>(mean), static_cast<double>(plain_mean), ours.mean,
+    hold(name + ", mean", unit::absolute,
+         {static_cast<double>(mean), ours.mean,
           support::accumulated(u, 17) * farthest + 1e-15 * static_cast<double>(std::abs(mean))});
-    hold("sums", name + ", variance", unit::absolute,
-         {static_cast<double>(squares / count),
-          static_cast<double>(plain_squares / plain_count - plain_mean * plain_mean), ours.variance(),
+    hold(name + ", variance", unit::absolute,
+         {static_cast<double>(squares / count), ours.variance(),
           support::accumulated(u, 2 * 19) * farthest * farthest});
 }
 

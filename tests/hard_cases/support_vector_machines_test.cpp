@@ -3,7 +3,7 @@
 // in double. A solver that ends with a violation of at most ε leaves at most n C ε; that its kernels are
 // rounded adds 8 u (Σ |β|)².
 
-#include "record.hpp"
+#include "hold.hpp"
 
 #include <tactnet/svm.hpp>
 
@@ -21,7 +21,6 @@
 using namespace tactnet;
 using hard_cases::hold;
 using hard_cases::outcome;
-using hard_cases::reported;
 using hard_cases::unit;
 
 namespace {
@@ -57,58 +56,6 @@ double gap(const support::samples& s, double cost, double gamma, const std::vect
     return squares + cost * errors - linear;
 }
 
-/// Sequential minimal optimisation as lecture notes simplify it: single precision, the second sample the next
-/// one, an end after passes without a change.
-double plain_gap(const support::samples& s, float cost, float gamma) {
-    const std::size_t n = s.labels.size();
-    std::vector<float> alpha(n), matrix(n * n);
-    for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t j = 0; j < n; ++j) {
-            float a = 0, b = 0, product = 0;
-            for (std::size_t f = 0; f < s.features; ++f) {
-                const float x = s.values[i * s.features + f], y = s.values[j * s.features + f];
-                a += x * x, b += y * y, product += x * y;
-            }
-            matrix[i * n + j] = std::exp(-gamma * (a + b - 2 * product));
-        }
-    float offset = 0;
-    const auto y = [&](std::size_t i) { return static_cast<float>(side(s.labels[i])); };
-    const auto error = [&](std::size_t i) {
-        float sum = offset;
-        for (std::size_t j = 0; j < n; ++j)
-            sum += alpha[j] * y(j) * matrix[i * n + j];
-        return sum - y(i);
-    };
-    std::size_t quiet = 0;
-    for (std::size_t pass = 0; pass < 50 && quiet < 5; ++pass) {
-        std::size_t changed = 0;
-        for (std::size_t i = 0; i < n; ++i) {
-            const float e = error(i);
-            if (!((y(i) * e < -1e-3f && alpha[i] < cost) || (y(i) * e > 1e-3f && alpha[i] > 0)))
-                continue;
-            const std::size_t j = (i + 1 + pass) % n;
-            const float other = error(j), a = alpha[i], b = alpha[j];
-            const float low = y(i) != y(j) ? std::max(0.0f, b - a) : std::max(0.0f, a + b - cost);
-            const float high = y(i) != y(j) ? std::min(cost, cost + b - a) : std::min(cost, a + b);
-            const float eta = 2 * matrix[i * n + j] - matrix[i * n + i] - matrix[j * n + j];
-            if (j == i || low == high || eta >= 0)
-                continue;
-            alpha[j] = std::clamp(b - y(j) * (e - other) / eta, low, high);
-            if (std::abs(alpha[j] - b) < 1e-5f)
-                continue;
-            alpha[i] += y(i) * y(j) * (b - alpha[j]);
-            offset -=
-                e + y(i) * (alpha[i] - a) * matrix[i * n + i] + y(j) * (alpha[j] - b) * matrix[i * n + j];
-            ++changed;
-        }
-        quiet = changed == 0 ? quiet + 1 : 0;
-    }
-    std::vector<double> beta(n);
-    for (std::size_t i = 0; i < n; ++i)
-        beta[i] = static_cast<double>(y(i) * alpha[i]);
-    return gap(s, static_cast<double>(cost), static_cast<double>(gamma), beta, static_cast<double>(offset));
-}
-
 void check_gap(const std::string& name, const support::samples& s, double cost, double gamma) {
     thread_pool threads(1);
     const auto trained = train_kernel_machine(
@@ -134,9 +81,8 @@ void check_gap(const std::string& name, const support::samples& s, double cost, 
     for (const double b : beta)
         sum += std::abs(b);
     const double count = static_cast<double>(s.labels.size());
-    hold("support vector machines", name + ", duality gap", unit::absolute,
-         {0, plain_gap(s, static_cast<float>(cost), static_cast<float>(gamma)),
-          gap(s, cost, gamma, beta, parts.offsets[0]), count * cost * 1e-3 + 8 * u * sum * sum});
+    hold(name + ", duality gap", unit::absolute,
+         {0, gap(s, cost, gamma, beta, parts.offsets[0]), count * cost * 1e-3 + 8 * u * sum * sum});
 }
 
 support::samples on_a_line(std::size_t count) {
@@ -191,23 +137,18 @@ TEST_CASE("kernel_machine: decision values of a cloud far from the origin") {
     std::vector<outcome> all;
     for (std::size_t i = 0; i < far.labels.size(); ++i) {
         double exact = parts.offsets[0], sizes = 0;
-        auto plain = static_cast<float>(parts.offsets[0]);
         for (std::size_t v = 0; v < parts.coefficients.size(); ++v) {
             double distance = 0;
-            float a = 0, b = 0, product = 0;
             for (std::size_t f = 0; f < 4; ++f) {
                 const float x = far.values[i * 4 + f], y = parts.support_vectors[v * 4 + f];
                 distance += std::pow(static_cast<double>(x) - static_cast<double>(y), 2);
-                a += x * x, b += y * y, product += x * y;
             }
             exact += parts.coefficients[v] * std::exp(-0.5 * distance);
-            plain += static_cast<float>(parts.coefficients[v]) * std::exp(-0.5f * (a + b - 2 * product));
             sizes += std::abs(parts.coefficients[v]);
         }
-        all.push_back({exact, static_cast<double>(plain), values[i],
-                       sizes * (0.37 * 64 * support::accumulated(u, 8) + 8 * u)});
+        all.push_back({exact, values[i], sizes * (0.37 * 64 * support::accumulated(u, 8) + 8 * u)});
     }
-    hold("support vector machines", "decision values of a cluster at 3e4", unit::absolute, all);
+    hold("decision values of a cluster at 3e4", unit::absolute, all);
 }
 
 TEST_CASE("kernel_machine: features of very different size, standardised") {
@@ -231,8 +172,7 @@ TEST_CASE("kernel_machine: features of very different size, standardised") {
     // At most 3 of the first 30 lie nearer to another centre.
     CHECK(right(true).second);
     CHECK(right(false).second);
-    hold("support vector machines", "features of 1e-12, 1 and 1e12: correct of 30", unit::absolute,
-         {30, right(false).first, right(true).first, 3});
+    hold("features of 1e-12, 1 and 1e12: correct of 30", unit::absolute, {30, right(true).first, 3});
 }
 
 // The sum of all is 1 up to the k divisions of each iteration, of which there are 100.
@@ -243,9 +183,8 @@ TEST_CASE("couple_pairwise: pairs that are certain") {
         for (std::size_t j = 0; j < k; ++j)
             certain[i * k + j] = i < j ? 1 : 0;
     const std::vector<double> p = couple_pairwise(certain, k);
-    const double none = 0;
-    hold("support vector machines", "pairwise probabilities of exactly 0 and 1: their sum", unit::relative,
-         {1, none / none, std::accumulate(p.begin(), p.end(), 0.0), 100 * k * k * 0x1p-52});
+    hold("pairwise probabilities of exactly 0 and 1: their sum", unit::relative,
+         {1, std::accumulate(p.begin(), p.end(), 0.0), 100 * k * k * 0x1p-52});
     for (const double each : p)
         CHECK(each >= 0);
     CHECK(std::ranges::max_element(p) == p.begin());
@@ -264,15 +203,11 @@ TEST_CASE("sigmoid: separable values, and values of any size") {
         const auto p = [&](double v) { return 1 / (1 + std::exp(-slope * v)); };
         (800 * (0.75 - p(800)) + 900 * (0.75 - p(900)) > 0 ? low : high) = slope;
     }
-    hold("support vector machines", "sigmoid of separable values: P(first) at 800", unit::absolute,
-         {1 / (1 + std::exp(-low * 800)), static_cast<double>(1 / (1 + std::exp(-800.0f))),
-          fitted.probability(800), 1e-5 * 800 / (4 * 800.0 * 800.0)});
+    hold("sigmoid of separable values: P(first) at 800", unit::absolute,
+         {1 / (1 + std::exp(-low * 800)), fitted.probability(800), 1e-5 * 800 / (4 * 800.0 * 800.0)});
     const platt_sigmoid steep{1, 0};
-    hold("support vector machines", "sigmoid of 1000", unit::absolute,
-         {0, static_cast<double>(1 / (1 + std::exp(1000.0f))), steep.probability(1000), 0});
-    hold("support vector machines", "sigmoid of 700", unit::relative,
-         {std::exp(-700.0), static_cast<double>(1 / (1 + std::exp(700.0f))), steep.probability(700),
-          5 * 0x1p-53});
+    CHECK(steep.probability(1000) == 0);
+    hold("sigmoid of 700", unit::relative, {std::exp(-700.0), steep.probability(700), 5 * 0x1p-53});
 }
 
 namespace {
@@ -324,25 +259,6 @@ std::vector<double> optimum(const support::samples& s, double cost) {
     return {w.begin(), w.end()};
 }
 
-/// Coordinate descent as it is first written: single precision, a thousand passes in order.
-std::vector<double> plain_descent(const support::samples& s, float cost) {
-    const std::size_t n = s.features + 1;
-    std::vector<float> w(n), alpha(s.labels.size());
-    for (int pass = 0; pass < 1000; ++pass)
-        for (std::size_t i = 0; i < s.labels.size(); ++i) {
-            const auto x = [&](std::size_t f) { return f + 1 < n ? s.values[i * s.features + f] : 1.0f; };
-            const auto y = static_cast<float>(side(s.labels[i]));
-            float value = 0, norm = 0.5f / cost;
-            for (std::size_t f = 0; f < n; ++f)
-                value += w[f] * x(f), norm += x(f) * x(f);
-            const float before = alpha[i];
-            alpha[i] = std::max(0.0f, before - (y * value - 1 + before * 0.5f / cost) / norm);
-            for (std::size_t f = 0; f < n; ++f)
-                w[f] += (alpha[i] - before) * y * x(f);
-        }
-    return {w.begin(), w.end()};
-}
-
 enum class end { at_optimum, may_be_out_of_passes };
 
 /// The dual ends where projected gradients differ by at most ε: with α of the optimum that is a gap of at
@@ -354,7 +270,7 @@ void check_linear(const std::string& name, const support::samples& s, double cos
     linear_training_options options{.cost = cost};
     const auto trained = train_linear_machine(s.rows(), s.labels, options, threads);
     const auto& parts = trained.machine.parameters();
-    const std::vector<double> exact = optimum(s, cost), plain = plain_descent(s, static_cast<float>(cost));
+    const std::vector<double> exact = optimum(s, cost);
     const auto value = [&](std::vector<double> w) {
         const double offset = w.back();
         w.pop_back();
@@ -365,8 +281,7 @@ void check_linear(const std::string& name, const support::samples& s, double cos
     ours.push_back(parts.offsets[0]);
     // A thousand passes may not be enough.
     if (!trained.converged() && ends == end::may_be_out_of_passes)
-        return reported("support vector machines", "linear, " + name + ": objective", value(plain), true,
-                        "report.converged is false");
+        return;
     CHECK(trained.converged());
     double alphas = 0, rounding = 0;
     for (std::size_t i = 0; i < s.labels.size(); ++i) {
@@ -379,8 +294,8 @@ void check_linear(const std::string& name, const support::samples& s, double cos
         alphas += 2 * cost * slack;
         rounding += cost * (2 * slack * u * sizes + u * u * sizes * sizes);
     }
-    hold("support vector machines", "linear, " + name + ": objective", unit::absolute,
-         {value(exact), value(plain), value(ours), 2 * options.solver.tolerance * alphas + rounding});
+    hold("linear, " + name + ": objective", unit::absolute,
+         {value(exact), value(ours), 2 * options.solver.tolerance * alphas + rounding});
 }
 
 } // namespace
@@ -409,7 +324,5 @@ TEST_CASE("linear_machine: a training that does not converge reports it") {
     for (const double value : trained.machine.decision_values(both.rows()))
         finite &= std::isfinite(value);
     CHECK(finite);
-    reported("support vector machines", "linear machine, contradicting labels, C 1e12", NAN,
-             std::ranges::any_of(trained.reports, [](const solver_report& r) { return !r.converged; }),
-             "report.converged is false");
+    CHECK(std::ranges::any_of(trained.reports, [](const solver_report& r) { return !r.converged; }));
 }

@@ -4,13 +4,10 @@
     tests/mutation/mutate.py --count 60                        60 mutants, from all rooms in turn
     tests/mutation/mutate.py --rooms svm,io --count 20         from two rooms
     tests/mutation/mutate.py --at svm/multiclass.hpp:79        all mutants of a line
-    tests/mutation/mutate.py --together --each 10 --count 400  many at a time: compiled once, chosen when a test runs
 
 --seed alone decides which mutants are made. Each result is a line of output/mutants.jsonl, or of the file that --results
 names, as soon as it is known; a run that was stopped resumes there. A mutant is compiled with the smallest tests that include
-its header, up to --units of them, until one fails: the test of the header itself first. With --together the headers contain
-all mutants at once, each behind a switch (switches.hpp), so that a test is compiled once for all of them and run once for
-each; code that runs only while compiling has no switch and needs a run without --together. The source tree stays unchanged.
+its header, up to --units of them, until one fails: the test of the header itself first. The source tree stays unchanged.
 Needs Python 3, a compiler, and what the tests need.
 """
 
@@ -31,7 +28,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent.parent
 HEADERS = ROOT / "include" / "tactnet"
 TESTS = ROOT / "tests"
-HERE = Path(__file__).resolve().parent
 LIMIT = 120  # seconds that an unchanged test may take
 
 # The changes. clang-format puts spaces around an operator, and none around the brackets of a template.
@@ -177,7 +173,6 @@ class Builder:
         subprocess.run([options.compiler, *self.flags, "-x", "c++-header", self.precompiled[1]], capture_output=True)
         self.baselines = {}
         self.complete = False
-        self.for_helpers = []
         self.help_with([TESTS / "support" / "main.cpp", TESTS / "support" / "allocations.cpp"])
 
     def help_with(self, sources):
@@ -185,14 +180,14 @@ class Builder:
         helpers = []
         for source in sources:
             output = self.folder / f"helper_{source.stem}.o"
-            if self.compile(source, output, self.for_helpers, []).returncode == 0:
+            if self.compile(source, output, []).returncode == 0:
                 helpers.append(output)
         subprocess.run(["ar", "rcs", self.folder / "helpers.a", *helpers], check=True)
 
-    def compile(self, source, output, extra, first=None):
+    def compile(self, source, output, first=None):
         first = self.precompiled if first is None else first
         room = TESTS / source.relative_to(TESTS).parts[0]
-        command = [self.options.compiler, *self.flags, *first, *extra, "-I", room, "-c", source, "-o", output]
+        command = [self.options.compiler, *self.flags, *first, "-I", room, "-c", source, "-o", output]
         try:
             return subprocess.run(command, capture_output=True, text=True, timeout=600)
         except subprocess.TimeoutExpired:
@@ -210,7 +205,7 @@ class Builder:
         self.help_with(sorted((TESTS / "support").rglob("*.cpp")))
         return self.link(objects, program)
 
-    def run(self, program, seconds, more={}):
+    def run(self, program, seconds):
         """Limits the processor time, so that a busy machine kills no mutant; returns (None, …) if it took too long."""
         def limits():
             resource.setrlimit(resource.RLIMIT_CPU, (int(seconds) + 1, int(seconds) + 2))
@@ -219,7 +214,7 @@ class Builder:
         try:
             done = subprocess.run([str(program), "--abort-after=1", "--no-breaks"], capture_output=True, text=True,
                                   errors="replace", timeout=10 * seconds + 60, cwd=self.folder,
-                                  env={**os.environ, **more}, preexec_fn=limits)
+                                  preexec_fn=limits)
         except subprocess.TimeoutExpired:
             return None, seconds
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -233,7 +228,7 @@ class Builder:
         if test not in self.baselines:
             unit, program = self.folder / "unit.o", self.folder / "program"
             self.baselines[test] = None
-            if self.compile(test, unit, []).returncode == 0 and self.link([unit], program):
+            if self.compile(test, unit).returncode == 0 and self.link([unit], program):
                 done, seconds = self.run(program, LIMIT)
                 if done is not None and done.returncode == 0:
                     self.baselines[test] = (unit.read_bytes(), seconds)
@@ -261,7 +256,7 @@ def tried(builder, mutant, test):
     source = (HEADERS / mutant.header).read_text()
     unit, program = builder.folder / "unit.o", builder.folder / "program"
     builder.with_header(mutant.header, mutant.apply(source))
-    compiled = builder.compile(test, unit, [])
+    compiled = builder.compile(test, unit)
     builder.with_header(mutant.header, source)
     if compiled.returncode < 0 or "terminated program" in compiled.stderr:
         sys.exit("The compiler was ended from outside; the results so far are kept.")
@@ -293,148 +288,6 @@ def outcome(builder, tests, mutant, options):
     return ("survived" if "survived" in results else "same code" if "same code" in results else "no test"), ""
 
 
-NAMES = {"<": "lt", "<=": "le", ">": "gt", ">=": "ge", "==": "eq", "!=": "ne", "+": "plus", "-": "minus", "*": "times",
-         "/": "over", "%": "rest", "+=": "add", "-=": "take"}
-
-
-def condition(text, column):
-    """Returns where the condition around an operator begins and ends in its line, or None."""
-    def end_of(places, inner, outer, ends):
-        depth = 0
-        for at in places:
-            depth += (text[at] in inner) - (text[at] in outer)
-            if depth < 0 or (depth == 0 and ends(at)):
-                return at
-        return None
-
-    begin = end_of(range(column - 1, -1, -1), ")]}", "([{", lambda at: text[: at + 1].endswith(("return ", " = ")))
-    end = end_of(range(column, len(text)), "([{", ")]}", lambda at: text[at] == ";")
-    if begin is None or end is None or re.search(r"[;,?]", text[begin + 1:end]):
-        return None
-    return begin + 1, end
-
-
-def edits(mutant, number):
-    """Returns (begin, end, text) in the mutant's line; [] where a switch is not possible."""
-    at, end, one = mutant.column, mutant.column + len(mutant.before), mutant.before.strip()
-    text = mutant.text
-    if mutant.after == "" and len(one) > 1:
-        return [(at, at, f"{{ if (!mutants::on<{number}>()) "), (end + 1, end + 1, " }")]
-    if one in ("&&", "||"):
-        code = re.sub(r"//.*", "", text)
-        around = condition(code, at)
-        if around is None:
-            return []
-        begin, stop = around
-        changed = code[begin:at] + mutant.after + code[end:stop]
-        return [(begin, begin, f"(mutants::on<{number}>() ? ({changed}) : ("), (stop, stop, "))")]
-    if one in NAMES:
-        return [(at, end, f" {one} mutants::{NAMES[one]}<{number}> {one} ")]
-    if one in ("true", "false"):
-        return [(at, end, f"mutants::flag<{number}>({one})")]
-    if one in ("std::min", "std::max"):
-        typed = text[end:end + 1] == "<"
-        return [(at, end + typed, f"mutants::{one[5:]}<{number}{', ' if typed else '>'}")]
-    if one == "++":
-        return [(at, end, f"mutants::down<{number}> += ")] if re.search(r"(; |^\s*)$", text[:at]) else []
-    if one == "!":
-        return [(at, end, f"mutants::on<{number}>() == !!")]
-    if re.search(r"\)[\w ]* = $", text[:at]):
-        return []  # a pure function
-    return [(at, end, f"mutants::number<{number}>({mutant.before}, {mutant.after})")]
-
-
-class Together:
-    """Builds programs that contain all mutants at once."""
-
-    def __init__(self, builder, mutants):
-        self.builder = builder
-        self.mutants = dict(enumerate(mutants, 1))
-        self.dropped, self.programs = set(), {}
-        subprocess.run([builder.options.compiler, "-c", HERE / "switch_main.cpp", "-o", builder.folder / "switch_main.o"],
-                       check=True)
-        builder.for_helpers = ["-Wno-narrowing", "-include", str(HERE / "switches.hpp")]
-        for header in sorted({mutant.header for mutant in mutants}):
-            self.write(header)
-
-    def write(self, header):
-        lines = (HEADERS / header).read_text().split("\n")
-        of = {}
-        for number, mutant in self.mutants.items():
-            if mutant.header == header and number not in self.dropped:
-                of.setdefault(mutant.line, []).extend(edits(mutant, number))
-        for line, all_edits in of.items():
-            # From the right, so that places stay; of insertions at one place the last one comes to stand first.
-            for begin, end, new in sorted(all_edits, key=lambda edit: (edit[0], edit[1]), reverse=True):
-                lines[line - 1] = lines[line - 1][:begin] + new + lines[line - 1][end:]
-        self.builder.with_header(header, "\n".join(lines))
-
-    def program(self, test):
-        """Returns (program, CPU seconds, mutants in it, mutants that a run reaches), or None if it fails unchanged."""
-        if test in self.programs:
-            return self.programs[test]
-        self.programs[test] = None
-        builder = self.builder
-        stem = builder.folder / "_".join(test.relative_to(TESTS).with_suffix("").parts)
-        unit, program, reached = stem.with_suffix(".o"), stem.with_suffix(".program"), stem.with_suffix(".reached")
-        for _ in range(6):
-            compiled = builder.compile(test, unit, builder.for_helpers)
-            if compiled.returncode == 0:
-                break
-            where = re.findall(r"include/tactnet/(\S+?):(\d+):(?:\d+:)? +error", compiled.stderr) or \
-                re.findall(r"include/tactnet/(\S+?):(\d+):", compiled.stderr)
-            bad = {number for number, mutant in self.mutants.items() if (mutant.header, str(mutant.line)) in where}
-            if not bad - self.dropped:
-                bad = {number for number, mutant in self.mutants.items()
-                       if mutant.header in {header for header, _ in where}}
-            if not bad - self.dropped:
-                print(f"{test}: does not compile: {compiled.stderr[:2000]}", file=sys.stderr)
-                return None
-            self.dropped |= bad
-            for header in {self.mutants[number].header for number in bad}:
-                self.write(header)
-        else:
-            print(f"{test}: does not compile with its mutants, six times: left out", file=sys.stderr)
-            return None
-        linked = builder.link([unit, builder.folder / "switch_main.o"], program)
-        done, seconds = builder.run(program, LIMIT, {"MUTANTS_REACHED": str(reached)}) if linked else (None, 0)
-        if done is None or done.returncode != 0:
-            print(f"{test}: does not link, or fails unchanged: {done.stdout[-1000:] if done else ''}", file=sys.stderr)
-            return None
-        section = stem.with_suffix(".section")
-        subprocess.run(["objcopy", "-O", "binary", "--only-section=.mutants", "--set-section-flags=.mutants=alloc",
-                        str(unit), str(section)], check=True)
-        data = section.read_bytes()
-        inside = {int.from_bytes(data[at:at + 4], "little") for at in range(0, len(data), 4)}
-        self.programs[test] = (program, seconds, inside, {int(line) for line in reached.read_text().split()})
-        unit.unlink()
-        return self.programs[test]
-
-    def outcome(self, tests, number):
-        """Returns the same as the other outcome; None if a switch cannot show this mutant."""
-        mutant = self.mutants[number]
-        if not edits(mutant, number):
-            return None
-        seen, units = False, 0
-        for test in tests.of(mutant.header):
-            if units == self.builder.options.units:
-                break
-            built = self.program(test)
-            if number in self.dropped:
-                return None
-            if built is None:
-                continue
-            units += 1
-            program, seconds, inside, reached = built
-            seen = seen or number in inside
-            if number not in reached:
-                continue
-            done, _ = self.builder.run(program, max(2.0, 5 * seconds), {"MUTANT": str(number)})
-            if done is None or done.returncode != 0:
-                return "killed", killed_by(test, done)
-        return ("survived", "") if seen else None
-
-
 def table(lines):
     """Returns how many mutants of each room the tests killed."""
     rooms = {}
@@ -457,16 +310,10 @@ def main():
     parser.add_argument("--rooms", type=lambda text: text.split(","), default=[])
     parser.add_argument("--at", action="append", default=[], metavar="HEADER:LINE")
     parser.add_argument("--units", type=int, default=3, help="how many tests a mutant has to survive")
-    parser.add_argument("--together", action="store_true", help="all mutants in one program, each behind a switch")
     parser.add_argument("--compiler", default=os.environ.get("CXX", "g++"))
     parser.add_argument("--flags", default="-O1 -march=native")
     parser.add_argument("--results", type=Path, help="where to write results and to resume from")
-    parser.add_argument("--tree", type=Path, help="mutate another source tree than this one")
     options = parser.parse_args()
-    if options.tree:
-        global ROOT, HEADERS, TESTS
-        ROOT = options.tree.resolve()
-        HEADERS, TESTS = ROOT / "include" / "tactnet", ROOT / "tests"
     results = (options.results or ROOT / "output" / "mutants.jsonl").resolve()
     results.parent.mkdir(parents=True, exist_ok=True)
 
@@ -475,15 +322,10 @@ def main():
     order = [mutant for mutant in chosen(options) if mutant.key not in done]
     if order:
         builder, tests = Builder(options), Tests()
-        together = Together(builder, order) if options.together else None
         begin = time.monotonic()
         for number, mutant in enumerate(order, 1):
-            found = together.outcome(tests, number) if together else outcome(builder, tests, mutant, options)
+            result, by = outcome(builder, tests, mutant, options)
             place = f"[{number}/{len(order)}] {mutant.header}:{mutant.line}"
-            if found is None:
-                print(f"{place}: no switch shows it", flush=True)
-                continue
-            result, by = found
             lines.append({"header": mutant.header, "line": mutant.line, "column": mutant.key[2], "before": mutant.before,
                           "after": mutant.after, "text": mutant.text.strip(), "result": result, "by": by})
             with results.open("a") as file:

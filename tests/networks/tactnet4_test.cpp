@@ -22,6 +22,12 @@ static_assert(tactnet4_3x3<shape{14, 25}, 22>::parameters == 11654);
 static_assert(tactnet4_3x3<shape{14, 25}, 22>::multiply_adds == 264688);
 static_assert(!tactnet4_3x3_training({8, 16}).has_value());
 
+// A stride in place of the first pool, with symmetric windows: 8 filters of 4 x 5 taps.
+static_assert(tactnet4_strided<shape{14, 25}, 22>::parameters == 11742);
+static_assert(tactnet4_strided<shape{14, 25}, 22>::multiply_adds == 254048);
+static_assert(tactnet4_strided<shape{12, 22}, 22>::multiply_adds == 171648);
+static_assert(tactnet4_strided<shape{5, 5}, 22>::output_shape.size() == 22);
+
 // Outside the published range: larger images take the full form, smaller ones that of 7 x 13.
 static_assert(within_published_range({7, 13}) && within_published_range({28, 50}) &&
               within_published_range({50, 28}));

@@ -61,9 +61,21 @@ struct binds {
     }();
 };
 
+/// Only the windows of its pools differ from those of tactnet6_economical, which cost nothing.
+template <shape Size>
+struct costs_as_economical {
+    using symmetric = tactnet6_symmetric<Size, 22>;
+    using economical = tactnet6_economical<Size, 22>;
+    static constexpr bool value = symmetric::outputs == 22 &&
+                                  symmetric::parameters == economical::parameters &&
+                                  symmetric::multiply_adds == economical::multiply_adds &&
+                                  symmetric::activation_bytes == economical::activation_bytes;
+};
+
 } // namespace
 
 static_assert(support::holds_at_every_size<binds>);
+static_assert(support::holds_at_every_size<costs_as_economical>);
 
 TEST_CASE("tactnet6: the published form at the published sizes") {
     const auto form = [](std::size_t rows, std::size_t columns) {

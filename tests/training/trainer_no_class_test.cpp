@@ -1,6 +1,5 @@
 // Simulated touches, from the first to a network that was trained beside objects of no class.
 
-#include <tactnet/decision/unknown_score.hpp>
 #include <tactnet/deployment/deploy.hpp>
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
@@ -86,7 +85,7 @@ private:
 
 struct outcome {
     double accuracy = 0; ///< on touches of known objects that were not trained on
-    double area = 0;     ///< under the receiver operating characteristic of softmax_score
+    double area = 0;     ///< under the receiver operating characteristic of the probability
 };
 
 /// Trains on touches of known objects and, labelled `no_class`, the others; `strangers` are tested only.
@@ -120,14 +119,15 @@ outcome train(const std::vector<image>& of_known, const std::vector<image>& othe
     for (const std::size_t i : split.test) {
         std::array<float, known> logits{};
         REQUIRE(network.infer(of_known[i], logits) == frame_status::ok);
-        scores.push_back(softmax_score{}(logits, {}));
-        found.accuracy += classify_logits(logits, known)->index == labels[i];
+        const auto recognised = classify_logits(logits, known);
+        scores.push_back(1 - static_cast<double>(recognised->probability));
+        found.accuracy += recognised->index == labels[i];
     }
     found.accuracy /= static_cast<double>(scores.size());
     for (const image& stranger : strangers) {
         std::array<float, known> logits{};
         REQUIRE(network.infer(stranger, logits) == frame_status::ok);
-        const double score = softmax_score{}(logits, {});
+        const double score = 1 - static_cast<double>(classify_logits(logits, known)->probability);
         found.area += static_cast<double>(
             std::count_if(scores.begin(), scores.end(), [&](double other) { return other < score; }));
     }

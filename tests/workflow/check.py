@@ -92,14 +92,14 @@ for name, job in workflow["jobs"].items():
         asked = command.removeprefix(".ci/run").strip() or "default"
         named |= set(matrix) if asked == "${{ matrix.preset }}" else {asked}
     if not any(
-        command.startswith((".ci/run", "scripts/lint", "scripts/matrix", "cmake --build build --target site ")) for command in runs
+        command.startswith((".ci/run", "scripts/lint", "scripts/matrix", "cmake --build build --target reference")) for command in runs
     ):
-        problems.append(f"job {name}: expected a step .ci/run, scripts/lint, scripts/matrix or the site, found {runs}")
+        problems.append(f"job {name}: expected a step .ci/run, scripts/lint, scripts/matrix or the reference, found {runs}")
     for entry in job.get("strategy", {}).get("matrix", {}).get("include", []):
         if not any(entry["cells"] in cell for cell in cells):
             problems.append(f"job {name}: expected a part of a cell's name in scripts/matrix, found '{entry['cells']}'")
 if "reference" not in workflow["jobs"]:
-    problems.append("expected a job that makes the site with the reference, found none")
+    problems.append("expected a job that makes the reference, found none")
 for preset in sorted(named - presets):
     problems.append(f"expected a preset of CMakePresets.json, found '{preset}'")
 for preset in sorted({"default", "clang", "no-simd", "sanitize"} - named):

@@ -2,7 +2,7 @@
 
 #include <tactnet/decision/fitting.hpp>
 #include <tactnet/decision/sensor_health.hpp>
-#include <tactnet/decision/unknown_score.hpp>
+#include <tactnet/networks/recognition.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <cmath>
@@ -139,21 +139,16 @@ tactnet::data_split split_of_classes(const image_data& data, tactnet::split_rule
 
 decision_means separation(const tactnet::evaluation& of_known, const tactnet::evaluation& of_unknown,
                           std::size_t classes) {
-    decision_means means;
-    const auto add = [&](const std::string& name, const auto& score) {
-        const auto scores = [&](std::span<const float> logits) {
-            std::vector<double> all;
-            for (; !logits.empty(); logits = logits.subspan(classes))
-                all.push_back(score(logits.first(classes), {}));
-            return all;
-        };
-        const auto [area, accepted] = curve_of(scores(of_known.logits), scores(of_unknown.logits));
-        means["unknown_" + name + "_area"] = {area, 1};
-        means["unknown_" + name + "_accepted"] = {accepted, 1};
+    if (of_known.logits.empty() || of_unknown.logits.empty())
+        return {};
+    const auto scores = [&](std::span<const float> logits) {
+        std::vector<double> all;
+        for (; !logits.empty(); logits = logits.subspan(classes)) {
+            const auto found = tactnet::classify_logits(logits.first(classes), classes);
+            all.push_back(found ? -found->probability : 0);
+        }
+        return all;
     };
-    if (!of_known.logits.empty() && !of_unknown.logits.empty()) {
-        add("softmax", tactnet::softmax_score{});
-        add("energy", tactnet::energy_score{});
-    }
-    return means;
+    const auto [area, accepted] = curve_of(scores(of_known.logits), scores(of_unknown.logits));
+    return {{"unknown_softmax_area", {area, 1}}, {"unknown_softmax_accepted", {accepted, 1}}};
 }

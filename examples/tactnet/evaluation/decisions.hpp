@@ -25,8 +25,6 @@ inline constexpr std::array decision_columns{
     decision_column{"stuck_tactels_corrected_accuracy", "5 % stuck, corrected, %"},
     decision_column{"unknown_softmax_area", "unknown by softmax: area, %"},
     decision_column{"unknown_softmax_accepted", "unknown by softmax: accepted, %"},
-    decision_column{"unknown_energy_area", "unknown by energy: area, %"},
-    decision_column{"unknown_energy_accepted", "unknown by energy: accepted, %"},
 };
 
 /// Sets of classes on the test images, by the validation images, to which `scaling` was fitted.

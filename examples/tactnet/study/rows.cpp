@@ -196,7 +196,8 @@ void put_calibration(study_row& row, const calibration& of) {
 
 void put_decisions(study_row& row, const decision_means& means) {
     for (const auto& [name, mean] : means)
-        row.values[name] = mean[0] / mean[1];
+        if (row.values.contains(name)) // earlier versions stored further measures
+            row.values[name] = mean[0] / mean[1];
 }
 
 split_rule shown_rule(const std::vector<study_row>& rows) {

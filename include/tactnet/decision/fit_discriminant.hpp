@@ -214,30 +214,4 @@ fit_discriminant(std::span<const float> features, std::span<const std::size_t> l
     return result;
 }
 
-/// Fits a map to as many dimensions as there are features, in which the covariance within classes is the unit
-/// matrix: distances there are those of Mahalanobis (Lee et al., 2018). Arguments and errors are those of
-/// fit_discriminant.
-template <std::size_t Features>
-[[nodiscard]] std::unique_ptr<discriminant<Features, Features>>
-fit_whitening(std::span<const float> features, std::span<const std::size_t> labels, std::size_t classes,
-              double shrinkage = 0.02) {
-    const auto scatter = detail::scatter_of("fit_whitening", Features, features, labels, classes, shrinkage);
-    auto result = std::make_unique<discriminant<Features, Features>>();
-    std::vector<double> column(Features), offset(Features);
-    for (std::size_t f = 0; f < Features; ++f) {
-        std::fill(column.begin(), column.end(), 0.0);
-        column[f] = 1;
-        detail::solve_lower(scatter.factor, Features, column);
-        for (std::size_t d = 0; d < Features; ++d) {
-            result->directions[f * Features + d] = static_cast<float>(column[d]);
-            offset[d] -= column[d] * scatter.whole[f];
-        }
-    }
-    for (std::size_t d = 0; d < Features; ++d)
-        result->offset[d] = static_cast<float>(offset[d]);
-    detail::require_finite<float>("fit_whitening", result->directions);
-    detail::require_finite<float>("fit_whitening", result->offset);
-    return result;
-}
-
 }} // namespace tactnet

@@ -114,10 +114,9 @@ inline void check_held_out(const std::string& caller, std::span<const float> log
     return prediction_set(scaling, std::max(0.0, -detail::conformal_bound(std::move(negated), coverage)));
 }
 
-/// Chooses the largest distance from a class mean, or the largest value of another unknown_score, that is
-/// still known, by those of held-out touches of known objects: of further touches like these, at most a share
-/// of `false_alarms` is taken for unknown. Infinite with fewer than 1 ÷ false_alarms − 1 touches, which
-/// cannot promise that.
+/// Chooses the largest distance from a class mean that is still known, by the distances of held-out touches
+/// of known objects: of further touches like these, at most a share of `false_alarms` is taken for unknown.
+/// Infinite with fewer than 1 ÷ false_alarms − 1 touches, which cannot promise that.
 ///
 /// Throws std::invalid_argument unless `false_alarms` is above 0 and below 1, and no distance is NaN.
 [[nodiscard]] inline double fit_largest_distance(std::span<const double> scores, double false_alarms) {

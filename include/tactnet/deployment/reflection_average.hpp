@@ -41,7 +41,7 @@ public:
         return infer_each(frame, to, memory, [](std::size_t) {});
     }
     /// As above, and writes the mean of the features, in the order of read_features of the view: what
-    /// distance_score finds unknown objects by.
+    /// class_means finds unknown objects by.
     frame_status infer(frame_ref<input_shape> frame, std::span<float, outputs> to,
                        std::span<float, features> to_features, workspace& memory) const noexcept {
         const frame_status status = infer_each(frame, to, memory, [&](std::size_t i) {

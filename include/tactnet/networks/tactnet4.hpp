@@ -3,6 +3,7 @@
 #include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/published.hpp>
+#include <tactnet/networks/symmetric_window.hpp>
 
 #include <cstddef>
 #include <optional>
@@ -36,12 +37,28 @@ using tactnet4 = network<Input,                                                 
 template <shape Input, std::size_t Classes>
 using tactnet4_3x3 = tactnet4<Input, Classes, tactnet4_form{.kernel1 = 3, .kernel2 = 3, .kernel3 = 3}>;
 
+/// TactNet-4 with symmetric windows, where a stride of the first convolution takes the place of the first
+/// pool. The later convolutions have 3 × 3 kernels at every size.
+template <shape Input, std::size_t Classes>
+using tactnet4_strided = network<Input,                                                           //
+                                 conv2d<8, symmetric_window(Input.rows, Input.columns, 4, 0), 2>, //
+                                 batch_norm, relu,                                                //
+                                 conv2d<16, 3>, batch_norm, relu,                                 //
+                                 max_pool<symmetric_window(Input.rows, Input.columns, 2, 1), 2>,  //
+                                 conv2d<32, 3>, batch_norm, relu,                                 //
+                                 max_pool<symmetric_window(Input.rows, Input.columns, 2, 2), 2>,  //
+                                 dense<detail::classes_on<Input.rows, Input.columns, Classes>::count>>;
+
 /// The authors' training at 28 × 50, for images of any size: nothing else is known about 14 × 25.
 [[nodiscard]] constexpr published_training tactnet4_training(shape) {
     return {.rate = 0.05, .drop_period = 200, .patience = 3};
 }
 /// The settings of the published training: none, since the network was not published.
 [[nodiscard]] constexpr std::optional<published_training> tactnet4_3x3_training(shape) {
+    return {};
+}
+/// As tactnet4_3x3_training.
+[[nodiscard]] constexpr std::optional<published_training> tactnet4_strided_training(shape) {
     return {};
 }
 

@@ -1,7 +1,6 @@
 #include "networks.hpp"
 
 #include <tactnet/networks/tactnet4.hpp>
-#include <tactnet/networks/tactnet4_strided.hpp>
 #include <tactnet/networks/tactnet6.hpp>
 #include <tactnet/networks/tactresnet.hpp>
 

@@ -1,7 +1,7 @@
 // Matrices of resistors with lines that are broken or shorted. The reference reads each tactel by itself, by
 // Kirchhoff's laws for all lines in long double.
 
-#include "../record.hpp"
+#include "../hold.hpp"
 
 #include <tactnet/simulation/effects/circuit/resistive_network.hpp>
 
@@ -26,19 +26,18 @@ namespace {
 constexpr shape size{7, 13};
 using frame = support::frame<size>;
 
-/// One reading: voltages of the floating lines, by elimination with pivots in `Real`.
-template <class Real>
+/// One reading: voltages of the floating lines, by elimination with pivots.
 double read_by_nodes(const frame& pressures, double grounding, std::size_t row, std::size_t column) {
     constexpr std::size_t lines = size.rows + size.columns;
-    std::vector<std::vector<Real>> a(lines, std::vector<Real>(lines + 1));
+    std::vector<std::vector<long double>> a(lines, std::vector<long double>(lines + 1));
     for (std::size_t i = 0; i < size.rows; ++i)
         for (std::size_t j = 0; j < size.columns; ++j) {
-            const auto g = static_cast<Real>(pressures(i, j));
+            const auto g = static_cast<long double>(pressures(i, j));
             a[i][i] += g, a[size.rows + j][size.rows + j] += g;
             a[i][size.rows + j] -= g, a[size.rows + j][i] -= g;
         }
     for (std::size_t line = 0; line < lines; ++line)
-        a[line][line] += static_cast<Real>(grounding);
+        a[line][line] += static_cast<long double>(grounding);
     for (const std::size_t held : {row, size.rows + column}) {
         a[held].assign(lines + 1, 0);
         a[held][held] = 1;
@@ -50,14 +49,14 @@ double read_by_nodes(const frame& pressures, double grounding, std::size_t row, 
             pivot = std::abs(a[i][k]) > std::abs(a[pivot][k]) ? i : pivot;
         std::swap(a[k], a[pivot]);
         for (std::size_t i = 0; i < lines; ++i) {
-            const Real factor = i == k ? 0 : a[i][k] / a[k][k];
+            const long double factor = i == k ? 0 : a[i][k] / a[k][k];
             for (std::size_t j = k; factor != 0 && j <= lines; ++j)
                 a[i][j] -= factor * a[k][j];
         }
     }
-    Real current = 0;
+    long double current = 0;
     for (std::size_t i = 0; i < size.rows; ++i)
-        current += static_cast<Real>(pressures(i, column)) * a[i][lines] / a[i][i];
+        current += static_cast<long double>(pressures(i, column)) * a[i][lines] / a[i][i];
     return static_cast<double>(current);
 }
 
@@ -86,11 +85,11 @@ void check_circuit(const std::string& name, const frame& pressures, double groun
     std::vector<outcome> all;
     for (std::size_t row = 0; row < size.rows; ++row)
         for (std::size_t column = 0; column < size.columns; ++column) {
-            const double exact = read_by_nodes<long double>(pressures, ground, row, column);
-            all.push_back({exact, read_by_nodes<float>(pressures, ground, row, column),
-                           static_cast<double>(read(row, column)), (0x1p-24 + lost) * exact + 0x1p-150});
+            const double exact = read_by_nodes(pressures, ground, row, column);
+            all.push_back(
+                {exact, static_cast<double>(read(row, column)), (0x1p-24 + lost) * exact + 0x1p-150});
         }
-    hold("simulation", "resistors, " + name, unit::absolute, all);
+    hold("resistors, " + name, unit::absolute, all);
 }
 
 frame with(const std::vector<std::pair<std::size_t, float>>& rows,

@@ -68,9 +68,6 @@ struct network_parameters {
 [[nodiscard]] sample bounded_input(std::span<const float> counts, std::span<const float> mean, float scale);
 [[nodiscard]] sample bounded_outputs(const described_network& network, const network_parameters& parameters,
                                      const sample& in);
-/// A network as one writes it first: what hard cases are compared with.
-[[nodiscard]] std::vector<float> plain_outputs(const described_network& network,
-                                               const network_parameters& parameters, std::vector<float> in);
 
 /// One operation. The convolution of a frame with weights [filter][channel of its group][row][column], by
 /// taps or by tiles; `added` may be null.

@@ -68,11 +68,6 @@ public:
                                                        const samples&) const {
         return {};
     }
-    /// One sample as one writes it first: in single precision, sums from the first term to the last, nothing
-    /// folded. A hard case has only layers that define it.
-    [[nodiscard]] virtual std::vector<float> plain(const reference_call&, std::vector<float>) const {
-        throw std::logic_error("reference: this layer has no plain form");
-    }
 };
 
 using reference_pointer = std::unique_ptr<reference_layer>;

@@ -64,8 +64,7 @@ TEST_SUITE("program") {
                                  "--results u --splits 2 --split random --jobs 1 --unknown");
         says(shop.succeeds(with_unknown + "1").out, "unknown by softmax: area, %");
         const auto measured = nlohmann::json::parse(shop.lines("u/table.jsonl")[0]);
-        for (const char* share : {"unknown_softmax_area", "unknown_softmax_accepted", "unknown_energy_area",
-                                  "unknown_energy_accepted"})
+        for (const char* share : {"unknown_softmax_area", "unknown_softmax_accepted"})
             CHECK_MESSAGE((measured.at(share) >= 0 && measured.at(share) <= 1), share);
         shop.refuses(with_unknown + "2", "--unknown: expected to leave two of 3 classes or more, found 2");
 

@@ -120,13 +120,12 @@ TEST_SUITE("program") {
 
     TEST_CASE("separation: by hand") {
         tactnet::evaluation known, unknown;
-        // Scores of the energy: minus the logarithm of the sum of two equal exponentials.
-        known.logits = {5, 5, 4, 4, 3, 3, 1, 1};
-        unknown.logits = {3.5F, 3.5F, 0, 0};
+        // The larger logit's distance from the other one decides.
+        known.logits = {5, 0, 4, 0, 3, 0, 0, 1};
+        unknown.logits = {0, 3.5F, 0, 0};
         const decision_means means = separation(known, unknown, 2);
-        CHECK(means.at("unknown_energy_area") == std::array{(2 + 4) / 8.0, 1.0});
-        CHECK(means.at("unknown_energy_accepted") == std::array{0.5, 1.0});
-        CHECK(means.at("unknown_softmax_area") == std::array{0.5, 1.0}); // all softmax outputs are a half
+        CHECK(means.at("unknown_softmax_area") == std::array{(2 + 4) / 8.0, 1.0});
+        CHECK(means.at("unknown_softmax_accepted") == std::array{0.5, 1.0});
         CHECK(separation(tactnet::evaluation(), unknown, 2).empty());
     }
 }

@@ -214,16 +214,6 @@ reference_gradients convolution::backward(const reference_call& call, const samp
     return g;
 }
 
-std::vector<float> convolution::plain(const reference_call& call, std::vector<float> x) const {
-    std::vector<float> out(output.size());
-    for (std::size_t o = 0; bias_ && o < out.size(); ++o)
-        out[o] = static_cast<float>(call.values[weights_ + o / output.area()]);
-    for_each_product([&](std::size_t o, std::size_t i, std::size_t w) {
-        out[o] += static_cast<float>(call.values[w]) * x[i];
-    });
-    return out;
-}
-
 reference_window convolution::group_window() const {
     reference_window one = window_;
     one.input.channels = channels_;

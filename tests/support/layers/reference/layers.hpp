@@ -56,9 +56,6 @@ public:
                                      const sample& out_gradient) const override {
         return out_gradient;
     }
-    [[nodiscard]] std::vector<float> plain(const reference_call&, std::vector<float> x) const override {
-        return x;
-    }
 };
 
 /// A batch norm as factor and offset in double, for folding.
@@ -78,7 +75,6 @@ public:
     [[nodiscard]] bool has_backward() const override { return true; }
     [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
                                                const samples& out_gradient) const override;
-    [[nodiscard]] std::vector<float> plain(const reference_call& call, std::vector<float> x) const override;
     [[nodiscard]] folded_norm folded(const reference_call& call) const;
 
 private:
@@ -129,7 +125,6 @@ public:
     [[nodiscard]] bool has_backward() const override { return true; }
     [[nodiscard]] reference_gradients backward(const reference_call& call, const samples& in,
                                                const samples& out_gradient) const override;
-    [[nodiscard]] std::vector<float> plain(const reference_call& call, std::vector<float> x) const override;
     [[nodiscard]] sample deployed(const reference_call& call, const sample& in,
                                   const std::optional<folded_norm>& behind,
                                   const sample* added) const override;

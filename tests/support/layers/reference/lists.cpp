@@ -71,12 +71,6 @@ public:
             x = layer->forward(parts.next(*layer), x);
         return x;
     }
-    [[nodiscard]] std::vector<float> plain(const reference_call& call, std::vector<float> x) const override {
-        parts_of parts(call);
-        for (const reference_pointer& layer : layers_)
-            x = layer->plain(parts.next(*layer), std::move(x));
-        return x;
-    }
     /// A batch norm or a channel scale is folded into a convolution of the same list, with no more than
     /// dropouts between them, and what is `added` goes into the sums of a convolution that stands last.
     [[nodiscard]] sample deployed(const reference_call& call, sample x, const sample* added) const {
@@ -130,14 +124,6 @@ public:
         const samples others = main_->forward(main, in);
         for (std::size_t s = 0; s < in.size(); ++s)
             add(call, sums[s], others[s]);
-        return sums;
-    }
-    [[nodiscard]] std::vector<float> plain(const reference_call& call, std::vector<float> x) const override {
-        parts_of parts(call);
-        std::vector<float> sums = main_->plain(parts.next(*main_), x);
-        const std::vector<float> skip = skip_->plain(parts.next(*skip_), std::move(x));
-        for (std::size_t i = 0; i < sums.size(); ++i)
-            sums[i] += skip[i];
         return sums;
     }
 
@@ -243,11 +229,6 @@ sample bounded_outputs(const described_network& network, const network_parameter
     call.folded = network.folded;
     call.tiles = network.tiles;
     return network.layers->forward(call, {in}).front();
-}
-
-std::vector<float> plain_outputs(const described_network& network, const network_parameters& parameters,
-                                 std::vector<float> in) {
-    return network.layers->plain(parameters, std::move(in));
 }
 
 described_network as_trained(described_network network) {

@@ -26,12 +26,6 @@ public:
             g[i] = {in[i].value > 0 ? g[i].value : 0, 0};
         return g;
     }
-    /// A zero of a NaN.
-    [[nodiscard]] std::vector<float> plain(const reference_call&, std::vector<float> x) const override {
-        for (float& value : x)
-            value = value > 0 ? value : 0;
-        return x;
-    }
 };
 
 class parametric_relu final : public reference_layer {
@@ -214,15 +208,6 @@ public:
             g[first[o]].error += std::abs(out_gradient[o].value) * accumulated(call.roundoff, additions);
         }
         return g;
-    }
-
-    [[nodiscard]] std::vector<float> plain(const reference_call&, std::vector<float> x) const override {
-        std::vector<float> out(output.size(), -std::numeric_limits<float>::infinity());
-        for_each([&](std::size_t o, std::size_t i) {
-            if (x[i] > out[o])
-                out[o] = x[i];
-        });
-        return out;
     }
 
 private:

@@ -121,21 +121,6 @@ reference_gradients batch_norm::backward(const reference_call& call, const sampl
     return g;
 }
 
-std::vector<float> batch_norm::plain(const reference_call& call, std::vector<float> x) const {
-    const auto of = [](std::span<const double> values, std::size_t i) {
-        return static_cast<float>(values[i]);
-    };
-    const auto epsilon = static_cast<float>(call.epsilon);
-    const std::size_t channels = input.channels;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-        const std::size_t c = i / input.area();
-        x[i] = (x[i] - of(call.running, c)) / std::sqrt(of(call.running, channels + c) + epsilon) *
-                   of(call.values, c) +
-               of(call.values, channels + c);
-    }
-    return x;
-}
-
 template <class Body>
 void batch_norm::for_each(const samples& in, std::size_t channel, Body&& body) const {
     for (std::size_t s = 0; s < in.size(); ++s)
