@@ -114,30 +114,6 @@ TEST_CASE("trainer: a training that cannot succeed is reported, and the last goo
     CHECK(diverges_and_keeps(how, 1, 20));
 }
 
-// With a smoothing of 1 no image has a class, beyond it an image has all classes but its own.
-TEST_CASE("trainer: a label smoothing with which nothing can be learnt is rejected") {
-    const auto refused = [](double smoothing) {
-        recipe how = recipe::on_features();
-        how.label_smoothing = smoothing;
-        const features data(1);
-        thread_pool threads(1);
-        data_split split;
-        split.training = {0, 1, 2};
-        try {
-            const trainer<one_layer> t(how, data.view(), split, 1, threads);
-        } catch (const std::invalid_argument&) {
-            return true;
-        }
-        return false;
-    };
-    CHECK_FALSE(refused(0));
-    CHECK_FALSE(refused(0.999));
-    CHECK(refused(1));
-    CHECK(refused(2));
-    CHECK(refused(-0.1));
-    CHECK(refused(NAN));
-}
-
 // Steps shrink by 0.9 ÷ √0.99 each time. About 170 of them move the number, each rounded once; what is lost
 // after them is a geometric sum of 11 half units. A step has a dozen roundings of its own, and the
 // correction of biases is a double.

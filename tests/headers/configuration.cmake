@@ -8,7 +8,7 @@ cmake_minimum_required(VERSION 3.22)
 string(REPLACE "|" ";" COMPILERS "${COMPILERS}")
 set(ENV{LC_ALL} C)
 
-foreach(header IN ITEMS tactnet training sensors version forward)
+foreach(header IN ITEMS tactnet training sensors version)
     set(source "${FOLDER}/older_language_${header}.cpp")
     file(WRITE "${source}" "#include <tactnet/${header}.hpp>\nint main() {}\n")
     foreach(compiler IN LISTS COMPILERS)

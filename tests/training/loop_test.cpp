@@ -213,7 +213,7 @@ TEST_CASE("training_loop: keeps the last network if the recipe demands it") {
     CHECK(keeps_latest(false) < 12);
 }
 
-TEST_CASE("training_loop: features that are not finite, and a label smoothing of one, are refused") {
+TEST_CASE("training_loop: features that are not finite, and a label smoothing of one or no share, are refused") {
     toy_setup setup;
     std::vector<float> features(setup.task.pixels.size(), 0.5F);
     const labelled_features found{features, setup.task.labels, 3};
@@ -225,8 +225,10 @@ TEST_CASE("training_loop: features that are not finite, and a label smoothing of
     features[net::input_shape.size() + 3] = 0;
     setup.how.label_smoothing = 0.99;
     CHECK_NOTHROW(setup.begin(found));
-    setup.how.label_smoothing = 1;
-    CHECK_THROWS_AS(setup.begin(found), std::invalid_argument);
+    for (const double smoothing : {1.0, 2.0, -0.1, std::numeric_limits<double>::quiet_NaN()}) {
+        setup.how.label_smoothing = smoothing;
+        CHECK_THROWS_AS(setup.begin(found), std::invalid_argument);
+    }
 }
 
 TEST_CASE(

@@ -78,37 +78,6 @@ TEST_CASE("softmax_cross_entropy: value and gradient, smoothed and with fewer cl
         }
 }
 
-TEST_CASE("softmax_cross_entropy: finite whichever logit is the largest by far") {
-    for (std::size_t largest = 0; largest < 3; ++largest) {
-        logits<double> x(1), gradient(1);
-        x(0, largest) = 1e4;
-        const std::vector<std::size_t> label{largest};
-        CHECK(softmax_cross_entropy<double>(x.as_const(), label, 3, 0.0, gradient.view()) == 0);
-        CHECK(gradient(0, largest) == 0);
-    }
-}
-
-TEST_CASE("softmax_cross_entropy: extreme logits stay finite") {
-    for (const double smoothing : {0.0, 0.1}) {
-        logits<float> x(2), gradient(2);
-        for (std::size_t c = 0; c < 7; ++c)
-            x(0, c) = c == 2 ? 1e30f : -1e30f, x(1, c) = c == 2 ? -1e30f : 1e30f;
-        const std::vector<std::size_t> labels{2, 2};
-        const double loss = softmax_cross_entropy(x.as_const(), std::span<const std::size_t>(labels), 7,
-                                                  smoothing, gradient.view());
-        CHECK(std::isfinite(loss));
-        CHECK(loss > 1e29);
-        for (std::size_t s = 0; s < 2; ++s)
-            for (std::size_t c = 0; c < 7; ++c)
-                CHECK(std::isfinite(gradient(s, c)));
-        if (smoothing == 0) {
-            CHECK(gradient(0, 2) == 0); // all right
-            CHECK(gradient(1, 2) == -0.5f);
-            CHECK(gradient(1, 0) == doctest::Approx(0.5 / 6));
-        }
-    }
-}
-
 TEST_CASE(
     "softmax_cross_entropy: a class that is ruled out costs nothing when it is not wanted; NaN is seen") {
     logits<float> x(1), gradient(1);
@@ -210,15 +179,6 @@ TEST_CASE("adamw: both moments unbiased, decay decoupled and on weights only") {
         }
         return value;
     });
-}
-
-TEST_CASE("adamw: the first step has the length of the rate, whatever the gradient") {
-    optimiser_state<float> state;
-    state.resize(kernels::lanes<float>);
-    aligned_vector<float> values(kernels::lanes<float>), gradients(kernels::lanes<float>, 1e-3f),
-        decayed(kernels::lanes<float>);
-    take_step<float>(adamw{}, state, 0.01, values, gradients, decayed);
-    CHECK(values[0] == doctest::Approx(-0.01).epsilon(1e-4));
 }
 
 TEST_CASE("take_step: a gradient of zero moves nothing that is not decayed") {

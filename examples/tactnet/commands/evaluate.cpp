@@ -38,7 +38,6 @@ candidate_list candidates_of(const evaluate_options& o) {
         for (const std::string& name : o.methods) {
             candidate& c = chosen.emplace_back(candidate{&find_method(name, size), o.training});
             c.training.rows = c.what->rows, c.training.columns = c.what->columns;
-            c.training.unknown = o.unknown;
         }
     // A setting for some of the methods is no mistake of the others.
     const bool pretrained = std::ranges::any_of(

@@ -49,7 +49,6 @@ candidate_list candidates_of(const study_options& o) {
         settings.rows = m->rows, settings.columns = m->columns;
         settings.resize = true;
         settings.bits = o.bits == 8 && m->has_eight_bit_form() ? 8 : 32;
-        settings.unknown = o.unknown;
         if (const auto needed = m->pretrained()) {
             const auto file = files.find(needed->network.name);
             if (file == files.end()) {

@@ -2,7 +2,6 @@
 
 #include <tactnet/decision/fitting.hpp>
 #include <tactnet/decision/sensor_health.hpp>
-#include <tactnet/networks/recognition.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <cmath>
@@ -39,21 +38,6 @@ corrector corrector_of(std::size_t rows, std::size_t columns) {
     corrector found = nullptr;
     ((Arrays.rows == rows && Arrays.columns == columns ? void(found = correct<Arrays>) : void()), ...);
     return found;
-}
-
-/// The area under the ROC curve, and the share of unknown ones accepted where 95 % of known ones are.
-std::pair<double, double> curve_of(std::vector<double> known, std::vector<double> unknown) {
-    std::ranges::sort(known);
-    std::ranges::sort(unknown);
-    double pairs = 0;
-    for (const double score : unknown) {
-        const auto [first, last] = std::ranges::equal_range(known, score);
-        pairs += static_cast<double>(first - known.begin()) + 0.5 * static_cast<double>(last - first);
-    }
-    const auto limit = static_cast<std::size_t>(std::ceil(0.95 * static_cast<double>(known.size()))) - 1;
-    const auto accepted = std::ranges::upper_bound(unknown, known[limit]) - unknown.begin();
-    const auto count = static_cast<double>(unknown.size());
-    return {pairs / count / static_cast<double>(known.size()), static_cast<double>(accepted) / count};
 }
 
 } // namespace
@@ -111,44 +95,4 @@ decision_means faults_of_sensor(const trained_method& trained, const image_data&
         measure("_corrected_accuracy");
     }
     return means;
-}
-
-image_data without_classes(image_data data, std::size_t unknown, std::uint64_t seed) {
-    const std::size_t classes = data.images.classes.size(), first = seed % classes * unknown % classes;
-    std::vector<std::size_t> labels;
-    std::vector<std::string> known;
-    for (std::size_t c = 0; c < classes; ++c) {
-        const bool is_known = (c + classes - first) % classes >= unknown;
-        labels.push_back(is_known ? known.size() : tactnet::no_class);
-        if (is_known)
-            known.push_back(data.images.classes[c]);
-    }
-    for (std::size_t& label : data.images.labels)
-        label = labels[label];
-    data.images.classes = std::move(known);
-    return data;
-}
-
-tactnet::data_split split_of_classes(const image_data& data, tactnet::split_rule rule, std::uint64_t seed,
-                                     tactnet::split_shares shares) {
-    const std::vector<std::size_t>& labels = data.images.labels;
-    tactnet::data_split split = tactnet::split_data(labels, data.images.classes.size(), rule, seed, shares);
-    std::erase_if(split.training, [&](auto image) { return labels[image] == tactnet::no_class; });
-    return split;
-}
-
-decision_means separation(const tactnet::evaluation& of_known, const tactnet::evaluation& of_unknown,
-                          std::size_t classes) {
-    if (of_known.logits.empty() || of_unknown.logits.empty())
-        return {};
-    const auto scores = [&](std::span<const float> logits) {
-        std::vector<double> all;
-        for (; !logits.empty(); logits = logits.subspan(classes)) {
-            const auto found = tactnet::classify_logits(logits.first(classes), classes);
-            all.push_back(found ? -found->probability : 0);
-        }
-        return all;
-    };
-    const auto [area, accepted] = curve_of(scores(of_known.logits), scores(of_unknown.logits));
-    return {{"unknown_softmax_area", {area, 1}}, {"unknown_softmax_accepted", {accepted, 1}}};
 }

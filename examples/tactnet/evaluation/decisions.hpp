@@ -1,7 +1,7 @@
 #pragma once
 
 // What a controller makes of a network's outputs, measured on the images of a split: sets of possible
-// classes, faults of the sensor, unknown objects.
+// classes, faults of the sensor.
 
 #include "data/image_data.hpp"
 #include "methods/method.hpp"
@@ -23,8 +23,6 @@ inline constexpr std::array decision_columns{
     decision_column{"stuck_row_corrected_accuracy", "a row stuck, corrected, %"},
     decision_column{"stuck_tactels_accuracy", "5 % stuck, %"},
     decision_column{"stuck_tactels_corrected_accuracy", "5 % stuck, corrected, %"},
-    decision_column{"unknown_softmax_area", "unknown by softmax: area, %"},
-    decision_column{"unknown_softmax_accepted", "unknown by softmax: accepted, %"},
 };
 
 /// Sets of classes on the test images, by the validation images, to which `scaling` was fitted.
@@ -37,15 +35,3 @@ decision_means sets_of_classes(const tactnet::temperature_scaling& scaling,
 decision_means faults_of_sensor(const trained_method& trained, const image_data& data,
                                 std::span<const std::size_t> images, std::uint64_t seed,
                                 tactnet::thread_pool& threads);
-
-/// Labels images of `unknown` classes no_class, others from 0. Over seeds, each class is left out equally
-/// often.
-image_data without_classes(image_data data, std::size_t unknown, std::uint64_t seed);
-
-/// The split of split_data without the images of no class, which would be outliers for a training.
-tactnet::data_split split_of_classes(const image_data& data, tactnet::split_rule rule, std::uint64_t seed,
-                                     tactnet::split_shares shares);
-
-/// How well scores of a network trained on known classes separate images of others; nothing without images.
-decision_means separation(const tactnet::evaluation& of_known, const tactnet::evaluation& of_unknown,
-                          std::size_t classes);

@@ -50,32 +50,18 @@ training_result result_of(const trained_method& trained, const task& t, const tr
 }
 
 /// Trains on one thread, until it is finished or interrupted.
-std::unique_ptr<training_run> train(const task& t, const image_data& data, tactnet::thread_pool& alone) {
+std::unique_ptr<training_run> train(const task& t, tactnet::thread_pool& alone) {
     const candidate& c = *t.of;
+    const image_data& data = *c.data;
+    const std::size_t classes = data.images.classes.size();
     auto training =
         c.what->train(recipe_for(*c.what, c.training), data.view(),
-                      split_of_classes(data, t.rule, t.seed, c.training.shares), t.seed, alone, c.pretrained);
+                      tactnet::split_data(data.images.labels, classes, t.rule, t.seed, c.training.shares),
+                      t.seed, alone, c.pretrained);
     start(*training, c.start.get());
     while (!training->finished() && !interrupted())
         training->advance();
     return training;
-}
-
-/// Trains without some classes, and scores the images of these. Nothing if it was interrupted.
-decision_means unknown_objects(const task& t) {
-    image_data data = without_classes(*t.of->data, t.of->training.unknown, t.seed);
-    std::vector<std::size_t> unknown;
-    for (std::size_t i = 0; i < data.images.labels.size(); ++i)
-        if (data.images.labels[i] == tactnet::no_class)
-            unknown.push_back(i);
-    tactnet::thread_pool alone;
-    const auto training = train(t, data, alone);
-    if (!training->finished())
-        return {};
-    const auto best = training->best(data.images.classes);
-    std::ranges::replace(data.images.labels, tactnet::no_class, 0U); // of no use, but evaluate counts classes
-    return separation(best->evaluate(data.view(), training->split().test, alone),
-                      best->evaluate(data.view(), unknown, alone), data.images.classes.size());
 }
 
 /// Returns results in single precision, and in 8 bits if the task says so; nothing if it was interrupted.
@@ -83,17 +69,12 @@ std::vector<training_result> run(const task& t) {
     const image_data& data = *t.of->data;
     tactnet::thread_pool alone;
     const stopwatch watch;
-    const auto training = train(t, data, alone);
+    const auto training = train(t, alone);
     const double seconds = watch.seconds();
     if (!training->finished())
         return {};
     const auto best = training->best(data.images.classes);
     std::vector<training_result> results{result_of(*best, t, *training, in_single_precision(t.settings))};
-    if (t.of->training.unknown > 0) {
-        results.front().decisions.merge(unknown_objects(t));
-        if (interrupted())
-            return {};
-    }
     if (t.of->training.bits == 8)
         results.push_back(result_of(*in_eight_bits(*best, data.view(), training->split().training), t,
                                     *training, t.settings));
@@ -231,9 +212,6 @@ void add_evaluation_options(CLI::App& app, evaluation_options& o) {
     add_option(app, "--splits", o.splits, whole_number(1, 10'000), "Splits of each kind");
     add_option(app, "--jobs,--threads", o.jobs, whole_number(1, 1024),
                "Trainings at the same time; the results do not depend on it (default: one per core)");
-    add_option(app, "--unknown", o.unknown, whole_number(0, 10'000),
-               "Train each network once more per split without this number of classes, and measure how "
-               "well it recognises their images as unknown (0: do not)");
 }
 
 std::vector<tactnet::split_rule> rules_of(const std::string& names) {
@@ -259,11 +237,6 @@ void load_candidates(candidate_list& list, const std::filesystem::path& data) {
                 "{}: expected enough images for a test, of which --test takes a share of {}, found {} of {} "
                 "classes",
                 data.string(), c.training.shares.test, images->images.size(), classes);
-        if (!c.what->begins_at_random())
-            c.training.unknown = 0;
-        if (c.training.unknown > 0 && c.training.unknown + 2 > classes)
-            refuse("--unknown: expected to leave two of {} classes or more, found {}", classes,
-                   c.training.unknown);
         c.start = load_start(*c.what, c.training, images->images.classes);
         c.pretrained = open_pretrained(*c.what, c.training);
     }

@@ -40,9 +40,8 @@ struct split_plan {
 struct evaluation_options {
     std::string data, results = "results", split = "both";
     std::size_t splits = 10, jobs = std::max(1U, std::thread::hardware_concurrency());
-    std::size_t unknown = 0; ///< see training_settings
 };
-/// --data, --results, --split, --splits, --jobs and --unknown.
+/// --data, --results, --split, --splits and --jobs.
 void add_evaluation_options(CLI::App& app, evaluation_options& options);
 
 /// The rules of "random", "blocked" or "both".

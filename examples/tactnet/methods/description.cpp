@@ -180,8 +180,6 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
     all.merge(describe_program());
     if (s.bits == 8)
         all["bits"] = "8";
-    if (s.unknown > 0)
-        all["unknown"] = fmt::to_string(s.unknown);
     if (!s.start.empty())
         all["start"] = file_fingerprint(s.start);
     if (!s.pretrained.empty())

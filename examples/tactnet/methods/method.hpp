@@ -173,7 +173,7 @@ public:
     std::string size() const { return std::to_string(rows) + "x" + std::to_string(columns); }
     /// Not a support vector machine.
     virtual bool is_network() const = 0;
-    /// Such a network can be trained by the thorough recipe, be converted to 8 bits and meet unknown objects.
+    /// Such a network can be trained by the thorough recipe, and be converted to 8 bits.
     bool begins_at_random() const { return is_network() && !pretrained(); }
 
     /// Its type in C++, of a network that is one type: "tactnet::tactnet6<tactnet::shape{28, 50}, 22>".

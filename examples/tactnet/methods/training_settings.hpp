@@ -25,8 +25,7 @@ struct training_settings : epoch_settings {
     /// File of a network trained on photographs, for methods that begin with one; else empty.
     std::string pretrained;
     tactnet::split_shares shares;
-    std::size_t bits = 32;   ///< of a weight, once it is trained: 8, or single precision
-    std::size_t unknown = 0; ///< classes that one more training leaves out, as unknown objects
+    std::size_t bits = 32; ///< of a weight, once it is trained: 8, or single precision
 };
 
 /// --rows, --columns, --resize, --recipe, all that changes a recipe and what a training begins with.

@@ -34,7 +34,7 @@ TEST_SUITE("program") {
                 tested += count.get<std::size_t>();
             CHECK(images == tested);
             const auto& decisions = result.at("decisions");
-            CHECK(decisions.size() == 6); // without unknown objects, which nobody asked for
+            CHECK(decisions.size() == 6);
             for (const auto& mean : decisions)
                 CHECK(mean.at(1).get<std::size_t>() == tested);
         }
@@ -56,17 +56,7 @@ TEST_SUITE("program") {
         // last layer.
         says(first.out, " 6 323 ");
         CHECK(row.at("set_coverage").is_number());
-        CHECK(row.at("unknown_softmax_area").is_null());
         says(first.out, "right class in the set, %");
-
-        // Unknown objects take one more training per split.
-        const words with_unknown("evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --epochs 3 "
-                                 "--results u --splits 2 --split random --jobs 1 --unknown");
-        says(shop.succeeds(with_unknown + "1").out, "unknown by softmax: area, %");
-        const auto measured = nlohmann::json::parse(shop.lines("u/table.jsonl")[0]);
-        for (const char* share : {"unknown_softmax_area", "unknown_softmax_accepted"})
-            CHECK_MESSAGE((measured.at(share) >= 0 && measured.at(share) <= 1), share);
-        shop.refuses(with_unknown + "2", "--unknown: expected to leave two of 3 classes or more, found 2");
 
         says(evaluate("--splits 2 --jobs 1").error, "4 trainings to do, of 8 in all");
         CHECK(shop.text("r/evaluation.jsonl").starts_with(kept));

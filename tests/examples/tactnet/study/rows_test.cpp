@@ -110,7 +110,7 @@ TEST_SUITE("program") {
                               "random_accuracy,random_deviation,random_validation_accuracy,"
                               "random_training_accuracy,random_reflected_splits,random_reflected_accuracy,"
                               "random_reflected_deviation,blocked_splits,"));
-        says(csv, ",unknown_softmax_accepted,declaration\n\"net, "
+        says(csv, ",stuck_tactels_corrected_accuracy,declaration\n\"net, "
                   "\"\"own\"\"\",7,13,default,32,20.0,20.0,0.875,0.01,,,");
         says(csv, "\nlost,28,50,default,8,,,");
     }
