@@ -213,7 +213,8 @@ TEST_CASE("training_loop: keeps the last network if the recipe demands it") {
     CHECK(keeps_latest(false) < 12);
 }
 
-TEST_CASE("training_loop: features that are not finite, and a label smoothing of one or no share, are refused") {
+TEST_CASE(
+    "training_loop: features that are not finite, and a label smoothing that is no share, are refused") {
     toy_setup setup;
     std::vector<float> features(setup.task.pixels.size(), 0.5F);
     const labelled_features found{features, setup.task.labels, 3};
