@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <iterator>
 #include <limits>
+#include <memory>
 
 using namespace tactnet;
 using namespace features_test;
@@ -161,4 +162,35 @@ TEST_CASE("haar_at: a constant image of real numbers has no response but at its 
             CHECK(haar_at<2>(integral, r, c).dy == 0);
         }
     CHECK(haar_at<2>(integral, 14, 0).dx == doctest::Approx(0.8));
+}
+
+namespace {
+
+/// Ten million pixels of a large offset and a weak texture. A corner is off by at most as many roundings of
+/// 2^-52 as there are rows and columns, of the sum of all pixels.
+void check_vast(float offset, float texture) {
+    constexpr shape vast{3200, 3200, 1};
+    const auto image = std::make_unique<tensor<float, vast>>();
+    for (std::size_t i = 0; i < vast.size(); ++i)
+        (*image)(i / 3200, i % 3200) = offset + texture * static_cast<float>(i * 37 % 101);
+    const auto integral = std::make_unique<integral_image<float, vast>>();
+    integral->compute(*image);
+    for (std::size_t c = 3000; c < 3200; ++c)
+        CHECK(std::abs(integral->box(3199, static_cast<std::ptrdiff_t>(c), 1, 1) -
+                       static_cast<double>((*image)(3199, c))) <= 4 * integral->rounding());
+    for (std::size_t c = 3000; c + 64 <= 3200; c += 8) {
+        long double exact = 0;
+        for (std::size_t y = 3200 - 64; y < 3200; ++y)
+            for (std::size_t x = c; x < c + 64; ++x)
+                exact += (*image)(y, x);
+        CHECK(std::abs(integral->box(3200 - 64, static_cast<std::ptrdiff_t>(c), 64, 64) -
+                       static_cast<double>(exact)) <= 4 * integral->rounding());
+    }
+}
+
+} // namespace
+
+TEST_CASE("integral_image: ten million pixels of a large offset and a weak texture") {
+    check_vast(1000, 0.002f);
+    check_vast(1, 2e-8f);
 }

@@ -289,6 +289,21 @@ TEST_CASE("transform_image: a map that is not a number is no crash") {
     transform_image<shape{9, 11}>({.row_by_column = broken, .column_shift = broken}, image.view(), to.view());
     CHECK(std::all_of(to.begin(), to.end(), [](float v) { return v == 0; }));
 }
+TEST_CASE("transform_image: a map that collapses the image repeats its middle, one to infinity gives zeros") {
+    const counts from = draw_counts();
+    const auto all_are = [&](const image_transform& map, float value) {
+        const tensor<float, size> to = transformed(map, from);
+        for (std::size_t i = 0; i < size.area(); ++i)
+            CHECK(to(i / size.columns, i % size.columns) == value);
+    };
+    const float middle = count_at(from, 3, 6, 0);
+    all_are({.row_by_row = 0, .row_by_column = 0, .column_by_row = 0, .column_by_column = 0}, middle);
+    all_are({.row_by_row = 0, .row_shift = 1e30, .column_by_column = 0}, 0);
+    all_are({.row_by_row = 0, .row_shift = -std::numeric_limits<double>::infinity(), .column_by_column = 0},
+            0);
+    all_are({.row_by_row = 0, .column_by_column = 0, .column_shift = 1e300}, 0);
+    all_are({.gain = 0}, 0);
+}
 TEST_CASE("transform_image: the same bits on any number of threads, and in place") {
     constexpr shape sensor{28, 50};
     constexpr std::size_t count = 50;

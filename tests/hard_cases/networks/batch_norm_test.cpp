@@ -143,23 +143,6 @@ TEST_CASE("batch_norm: running moments after a million steps") {
                      {squares, static_cast<double>(running[1]), 6 + 19 * 2.6 / 0.2 / 2});
 }
 
-// A single value has no variance of a sample, 0 ÷ 0: it counts as none. A tenth of the way, rounded twice.
-TEST_CASE("batch_norm: one sample of one pixel") {
-    using one = batch_norm::layer<float, shape{1, 1, 1}>;
-    thread_pool threads(1);
-    batch<float, shape{1, 1, 1}, kernels::lanes<float>> in(1), out(1);
-    in(0, 0) = 42;
-    one::memory memory;
-    memory.resize(1);
-    const std::vector<float> scale_and_shift{1, 0.5f};
-    std::vector<float> running{0, 1};
-    support::run_forward<one>({.threads = threads, .epsilon = 1e-5}, scale_and_shift.data(), running.data(),
-                              memory, in.view(), out.view());
-    CHECK(out(0, 0) == 0.5f);
-    hard_cases::hold("a batch of one pixel: running variance", unit::ulp,
-                     {0.9, static_cast<double>(running[1]), 1});
-}
-
 namespace {
 
 using folding = network<shape{4, 5, 2}, conv2d<4, 3>, batch_norm, dense<3>>;

@@ -17,7 +17,7 @@ using simulation::resistive_network;
 namespace {
 
 /// Gauss's elimination with pivots.
-std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<double> b) {
+std::vector<long double> solved(std::vector<std::vector<long double>> a, std::vector<long double> b) {
     const std::size_t n = b.size();
     for (std::size_t k = 0; k < n; ++k) {
         std::size_t pivot = k;
@@ -25,7 +25,7 @@ std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<doubl
             pivot = std::abs(a[i][k]) > std::abs(a[pivot][k]) ? i : pivot;
         std::swap(a[k], a[pivot]), std::swap(b[k], b[pivot]);
         for (std::size_t i = k + 1; i < n; ++i) {
-            const double factor = a[i][k] / a[k][k];
+            const long double factor = a[i][k] / a[k][k];
             for (std::size_t j = k; j < n; ++j)
                 a[i][j] -= factor * a[k][j];
             b[i] -= factor * b[k];
@@ -45,8 +45,8 @@ template <shape Shape>
 double read_by_nodes(const support::frame<Shape>& pressures, double grounding, std::size_t row,
                      std::size_t column) {
     const std::size_t lines = Shape.rows + Shape.columns, ground_line = Shape.rows + column;
-    std::vector<std::vector<double>> a(lines, std::vector<double>(lines));
-    std::vector<double> voltages(lines);
+    std::vector<std::vector<long double>> a(lines, std::vector<long double>(lines));
+    std::vector<long double> voltages(lines);
     for (std::size_t i = 0; i < Shape.rows; ++i)
         for (std::size_t j = 0; j < Shape.columns; ++j) {
             const auto g = static_cast<double>(pressures(i, j));
@@ -61,10 +61,10 @@ double read_by_nodes(const support::frame<Shape>& pressures, double grounding, s
     }
     voltages[row] = 1;
     voltages = solved(a, voltages);
-    double current = 0;
+    long double current = 0;
     for (std::size_t i = 0; i < Shape.rows; ++i)
         current += static_cast<double>(pressures(i, column)) * voltages[i];
-    return current;
+    return static_cast<double>(current);
 }
 
 template <shape Shape>
@@ -97,6 +97,53 @@ TEST_CASE("resistive_network: a nodal solution of each reading by itself") {
     check_against_nodes<shape{28, 50}>(support::pressed<shape{28, 50}>(), 100, 0x1p-23);
     check_against_nodes<shape{1, 6}>(support::pressed<shape{1, 6}>(), 100, 0x1p-23);
     check_against_nodes<shape{6, 1}>(support::pressed<shape{6, 1}>(), 100, 0x1p-23);
+}
+// In double, a Cholesky factorisation of the rows' matrix and its inverse are off by a few times the number
+// of lines times 2⁻⁵³ times how much better the best line conducts than what ties the lines to ground.
+TEST_CASE("resistive_network: broken and shorted lines") {
+    constexpr shape size{7, 13};
+    const auto with = [&](const std::vector<std::size_t>& broken_rows, float row, float column) {
+        support::frame<size> pressures = support::pressed<size>(2);
+        for (const std::size_t r : broken_rows)
+            for (std::size_t c = 0; c < size.columns; ++c)
+                pressures(r, c) = row;
+        for (std::size_t r = 0; column == 0 && r < size.rows; ++r)
+            pressures(r, 5) = column;
+        return pressures;
+    };
+    auto shorted = with({}, 0, 1), faint = shorted;
+    shorted(3, 4) = 1e12f;
+    for (float& pressure : faint)
+        pressure *= 1e-35f;
+    for (const bool grounded : {false, true})
+        for (const auto& pressures : {with({2}, 0, 0), with({0, 1, 2, 4, 5, 6}, 0, 1), with({2}, 3e8f, 1),
+                                      with({2}, 3e8f, 0), shorted, faint}) {
+            const double grounding = !grounded ? 0 : pressures(3, 3) < 1e-20f ? 1e-31 : 3e4;
+            const auto read =
+                support::after<size>(resistive_network{.sensitivity = 1, .grounding = grounding}, pressures);
+            double best = 0;
+            for (std::size_t i = 0; i < size.rows; ++i) {
+                double sum = 0;
+                for (std::size_t j = 0; j < size.columns; ++j)
+                    sum += static_cast<double>(pressures(i, j));
+                best = std::max(best, sum);
+            }
+            for (std::size_t j = 0; j < size.columns; ++j) {
+                double sum = 0;
+                for (std::size_t i = 0; i < size.rows; ++i)
+                    sum += static_cast<double>(pressures(i, j));
+                best = std::max(best, sum);
+            }
+            // resistive_network documents that such a network counts as grounded by 1e-9 of its best line.
+            const double ground = std::max(grounding, 1e-9 * best),
+                         lost = 4 * (size.rows + size.columns) * 0x1p-53 * best / ground;
+            for (std::size_t row = 0; row < size.rows; ++row)
+                for (std::size_t column = 0; column < size.columns; ++column) {
+                    const double exact = read_by_nodes<size>(pressures, ground, row, column);
+                    CHECK(std::abs(static_cast<double>(read(row, column)) - exact) <=
+                          (0x1p-24 + lost) * exact + 0x1p-150);
+                }
+        }
 }
 TEST_CASE("resistive_network: three corners of a rectangle show a ghost at the fourth") {
     constexpr shape size{4, 5};
