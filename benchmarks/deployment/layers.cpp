@@ -11,8 +11,8 @@
 
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/eight_bit/steps.hpp>
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/tensor/aligned.hpp>
 

@@ -9,8 +9,8 @@
 
 #include "../support/measure.hpp"
 
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/quantisation/stream_calibration.hpp>
 #include <tactnet/runtime/random.hpp>
 

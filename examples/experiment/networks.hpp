@@ -7,8 +7,8 @@
 //     tactnet_experiment simulate --out touches --per-class 20
 //     tactnet_experiment study --data touches --results experiment
 
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 
 #include <cstddef>
 

@@ -6,7 +6,7 @@
 // This file is all that it takes to train the layer, to save it, to deploy it in single precision and in 8
 // bits and to export it. A target that runs an exported network needs this file too.
 
-#include <tactnet/layers/activations/activation_function.hpp>
+#include <tactnet/operators/activations/function.hpp>
 
 #include <array>
 

@@ -2,8 +2,8 @@
 
 #include "leaky_relu.hpp"
 
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 
 namespace own {
 

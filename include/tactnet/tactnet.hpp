@@ -2,8 +2,8 @@
 
 #include <tactnet/deployment.hpp>
 #include <tactnet/detail/instruction_set.hpp>
-#include <tactnet/layers.hpp>
 #include <tactnet/networks.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/tensor.hpp>
 #include <tactnet/version.hpp>
 

@@ -1,7 +1,7 @@
 #include <tactnet/deployment.hpp>
 #include <tactnet/kernels/caches.hpp>
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 
 #include <doctest/doctest.h>

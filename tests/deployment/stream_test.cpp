@@ -1,5 +1,5 @@
 #include <tactnet/deployment/stream.hpp>
-#include <tactnet/layers.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>

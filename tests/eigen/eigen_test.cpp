@@ -1,8 +1,8 @@
 #include <tactnet/eigen/elements.hpp>
 #include <tactnet/eigen/features.hpp>
 #include <tactnet/eigen/memory.hpp>
-#include <tactnet/layers/dense.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators/dense/layer.hpp>
 
 #include <doctest/doctest.h>
 

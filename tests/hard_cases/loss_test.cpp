@@ -5,8 +5,8 @@
 
 #include "hold.hpp"
 
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/training/loss.hpp>
 
 #include <doctest/doctest.h>

@@ -3,8 +3,8 @@
 
 #include "hold.hpp"
 
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/training/trainer.hpp>
 
 #include <doctest/doctest.h>

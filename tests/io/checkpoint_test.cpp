@@ -2,8 +2,8 @@
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/write_file.hpp>
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/training/trainer.hpp>
 
 #include <doctest/doctest.h>

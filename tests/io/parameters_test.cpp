@@ -4,8 +4,8 @@
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/save_model.hpp>
 #include <tactnet/io/stored_arrays.hpp>
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 
 #include <doctest/doctest.h>
 

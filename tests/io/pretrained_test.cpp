@@ -1,8 +1,8 @@
 #include <tactnet/io/pretrained.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 
 #include <doctest/doctest.h>
 

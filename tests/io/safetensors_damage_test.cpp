@@ -5,8 +5,8 @@
 #include <tactnet/io/save_model.hpp>
 #include <tactnet/io/svm_file.hpp>
 #include <tactnet/io/write_file.hpp>
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,9 +1,9 @@
-#include <tactnet/layers/activations/activation.hpp>
-#include <tactnet/layers/conv2d.hpp>
-#include <tactnet/layers/dense.hpp>
 #include <tactnet/networks/model.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/normalisation.hpp>
+#include <tactnet/operators/activations/layer.hpp>
+#include <tactnet/operators/convolution/layer.hpp>
+#include <tactnet/operators/dense/layer.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/networks/tactresnet.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/training/initialise.hpp>
 
 #include <doctest/doctest.h>

@@ -1,7 +1,7 @@
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/eight_bit.hpp>
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/quantisation/graph_of.hpp>
 
 #include <doctest/doctest.h>

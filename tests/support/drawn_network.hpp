@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/layers/layer.hpp>
+#include <tactnet/operators/layer.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <cmath>

@@ -4,7 +4,7 @@
 // untouched.
 
 #include <tactnet/kernels/frame_convolution.hpp>
-#include <tactnet/layers/activations/activation_function.hpp>
+#include <tactnet/operators/activations/function.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/training/loop/gradient_step.hpp>
 #include <tactnet/training/loop/progress.hpp>
 #include <tactnet/training/loop/trainable.hpp>

@@ -1,8 +1,8 @@
 // Simulated touches, from the first to a network that was trained beside objects of no class.
 
 #include <tactnet/deployment/deploy.hpp>
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
 #include <tactnet/training/data/split.hpp>

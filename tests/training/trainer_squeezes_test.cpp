@@ -1,8 +1,8 @@
 // Simulated squeezes that only their course over time tells apart: a quick grasp with a slow release is a
 // slow grasp with a quick release in reverse.
 
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/quantisation/stream_calibration.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/runtime/thread_pool.hpp>

@@ -1,5 +1,5 @@
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/training/trainer.hpp>
 
 #include <doctest/doctest.h>

@@ -1,9 +1,9 @@
-#include <tactnet/layers/activations/parametric_relu.hpp>
-#include <tactnet/layers/dense.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/networks/tactnet6.hpp>
 #include <tactnet/networks/tactresnet.hpp>
+#include <tactnet/operators/dense/layer.hpp>
+#include <tactnet/operators/parametric_relu/layer.hpp>
 #include <tactnet/training/initialise.hpp>
 #include <tactnet/training/metrics.hpp>
 #include <tactnet/training/recipe.hpp>

@@ -1,8 +1,8 @@
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/transfer/as_photograph.hpp>
 #include <tactnet/transfer/pretrained_trunk.hpp>
 

@@ -1,5 +1,5 @@
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/transfer/feature_extractor.hpp>
 #include <tactnet/transfer/photograph.hpp>
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <tactnet/deployment/frame_ref.hpp>
-#include <tactnet/deployment/steps/batch_executor.hpp>
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/caches.hpp>
+#include <tactnet/lowering/batch_executor.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>
 

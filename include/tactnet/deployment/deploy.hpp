@@ -2,16 +2,9 @@
 
 #include <tactnet/deployment/batch.hpp>
 #include <tactnet/deployment/deployed_view.hpp>
-#include <tactnet/deployment/lowering/branches.hpp>
-#include <tactnet/deployment/lowering/channel_scale.hpp>
-#include <tactnet/deployment/lowering/convolution.hpp>
-#include <tactnet/deployment/lowering/dilated_convolution.hpp>
-#include <tactnet/deployment/lowering/layers.hpp>
-#include <tactnet/deployment/lowering/resizing.hpp>
-#include <tactnet/deployment/lowering/sample_norm.hpp>
-#include <tactnet/deployment/lowering/transposed_convolution.hpp>
 #include <tactnet/networks/model.hpp>
 #include <tactnet/networks/recognition.hpp>
+#include <tactnet/operators/sequence/lowering.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>
 

@@ -2,15 +2,11 @@
 
 #include <tactnet/deployment/frame_ref.hpp>
 #include <tactnet/deployment/refused_call.hpp>
-#include <tactnet/deployment/steps/branches.hpp>
-#include <tactnet/deployment/steps/chain.hpp>
-#include <tactnet/deployment/steps/convolution.hpp>
-#include <tactnet/deployment/steps/elementwise.hpp>
-#include <tactnet/deployment/steps/pooling.hpp>
-#include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame/elementwise.hpp>
+#include <tactnet/lowering/step.hpp>
 #include <tactnet/networks/recognition.hpp>
+#include <tactnet/operators/sequence/step.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>

@@ -4,6 +4,7 @@
 #include <tactnet/deployment/eight_bit/checks.hpp>
 #include <tactnet/deployment/eight_bit/layout.hpp>
 #include <tactnet/deployment/eight_bit/steps.hpp>
+#include <tactnet/operators/lowering.hpp>
 
 #include <cstddef>
 #include <span>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/deployment/deploy.hpp>
+#include <tactnet/deployment.hpp>
 #include <tactnet/io/file_name.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors.hpp>

@@ -54,7 +54,7 @@ struct stored_outputs {
 };
 
 /// An activation function that convolutions apply to their outputs.
-/// layers/activations/activation_function.hpp makes one of each function: tactnet::fused<Function>.
+/// operators/activations/function.hpp makes one of each function: tactnet::fused<Function>.
 struct fused_activation {
     bool exists = false; ///< false only for no_activation
     detail::functions_of_vectors<lanes<float>> functions{};

@@ -7,7 +7,7 @@
 #include <utility>
 
 // The costs of networks at many sizes, as constants, computed from specifications without instantiating
-// layers (layers/costs.hpp).
+// layers (operators/costs.hpp).
 //
 //     struct tactnet6_for_22 {
 //         template <shape Input>

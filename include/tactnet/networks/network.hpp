@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/layers/activations/softmax.hpp>
-#include <tactnet/layers/composition/norm_relu_pool.hpp>
+#include <tactnet/operators/batch_norm/norm_relu_pool.hpp>
+#include <tactnet/operators/softmax/layer.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/published.hpp>
 #include <tactnet/networks/symmetric_window.hpp>
+#include <tactnet/operators.hpp>
 
 #include <cstddef>
 #include <optional>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/published.hpp>
+#include <tactnet/operators.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -2,6 +2,7 @@
 
 #include <tactnet/deployment/deploy.hpp>
 #include <tactnet/deployment/eight_bit.hpp>
+#include <tactnet/operators/lowering.hpp>
 #include <tactnet/quantisation/calibrated_network.hpp>
 #include <tactnet/quantisation/graph_of.hpp>
 

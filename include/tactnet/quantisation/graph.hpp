@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/format.hpp>
+#include <tactnet/lowering/eight_bit_format.hpp>
 #include <tactnet/tensor/pooling_windows.hpp>
 #include <tactnet/tensor/shape.hpp>
 

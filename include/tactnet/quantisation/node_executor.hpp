@@ -1,9 +1,9 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
-#include <tactnet/layers/activations/activation_function.hpp>
+#include <tactnet/lowering/quantise.hpp>
+#include <tactnet/operators/activations/function.hpp>
 #include <tactnet/quantisation/graph.hpp>
 #include <tactnet/tensor/aligned.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/simd/vector.hpp>
-#include <tactnet/layers/layer.hpp>
+#include <tactnet/operators/layer.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>

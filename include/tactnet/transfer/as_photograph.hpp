@@ -1,9 +1,9 @@
 #pragma once
 
-#include <tactnet/deployment/lowering/lowering.hpp>
 #include <tactnet/image/resize_kernel.hpp>
 #include <tactnet/kernels/batch/resampling.hpp>
-#include <tactnet/layers/layer.hpp>
+#include <tactnet/lowering/lowering.hpp>
+#include <tactnet/operators/layer.hpp>
 #include <tactnet/transfer/as_photograph_step.hpp>
 
 #include <array>

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/format.hpp>
-#include <tactnet/deployment/eight_bit/quantise.hpp>
-#include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/image/resize.hpp>
 #include <tactnet/image/three_channels.hpp>
 #include <tactnet/kernels/integer/photograph.hpp>
+#include <tactnet/lowering/eight_bit_format.hpp>
+#include <tactnet/lowering/quantise.hpp>
+#include <tactnet/lowering/step.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/deploy.hpp>
+#include <tactnet/operators/lowering.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/tensor/tensor.hpp>

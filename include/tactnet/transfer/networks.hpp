@@ -1,12 +1,12 @@
 #pragma once
 
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/imagenet/alexnet.hpp>
 #include <tactnet/networks/imagenet/resnet.hpp>
 #include <tactnet/networks/imagenet/squeezenet.hpp>
 #include <tactnet/networks/imagenet/vgg16.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/published.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/transfer/as_photograph.hpp>
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include <tactnet/layers.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/quantisation/stream_calibration.hpp>
 #include <tactnet/runtime/random.hpp>
 

@@ -16,9 +16,9 @@ execute_process(
 )
 
 file(READ "${PROGRAM}.d" included)
-# What an output means, and what activations compute: headers that need nothing else of their rooms.
-string(REGEX REPLACE "tactnet/(networks/recognition|layers/activations/(activation_function|piecewise|smooth)|layers/time/cells/[a-z_]+)[.]hpp" "" included "${included}")
-foreach(pattern IN ITEMS "/iostream" "/fstream" "/filesystem" "/Eigen/" "tactnet/layers" "tactnet/networks" "tactnet/io")
+# What an output means: a header that needs nothing else of its room.
+string(REGEX REPLACE "tactnet/networks/recognition[.]hpp" "" included "${included}")
+foreach(pattern IN ITEMS "/iostream" "/fstream" "/filesystem" "/Eigen/" "operators/[a-z_]+/layer" "operators/layer" "tactnet/networks" "tactnet/io")
     if(included MATCHES "${pattern}")
         message(FATAL_ERROR "The header brings in ${pattern}, which a target without files may not have.")
     endif()

@@ -3,9 +3,9 @@
 #include "softsign.hpp"
 
 #include <tactnet/deployment/deploy.hpp>
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/tensor/tensor.hpp>
 #include <tactnet/transfer/as_photograph.hpp>
 

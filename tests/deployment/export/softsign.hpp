@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/simd/float_lanes.hpp>
-#include <tactnet/layers/activations/activation_function.hpp>
+#include <tactnet/operators/activations/function.hpp>
 
 #include <array>
 #include <concepts>

@@ -2,8 +2,8 @@
 
 #include "networks.hpp"
 
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/quantisation.hpp>
 
 #include <cstddef>

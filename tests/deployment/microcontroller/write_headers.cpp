@@ -7,9 +7,9 @@
 #include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/deployment/export/stream_header.hpp>
 #include <tactnet/io/write_file.hpp>
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/quantisation.hpp>
 #include <tactnet/text/numbers.hpp>
 #include <tactnet/training/initialise.hpp>

@@ -2,8 +2,8 @@
 
 // A network of your own whose steps none of the library's networks have.
 
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 
 #include <cstddef>
 #include <ratio>

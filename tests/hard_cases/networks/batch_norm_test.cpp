@@ -3,9 +3,9 @@
 
 #include "../hold.hpp"
 
-#include <tactnet/layers/conv2d.hpp>
-#include <tactnet/layers/dense.hpp>
-#include <tactnet/layers/normalisation/batch_norm.hpp>
+#include <tactnet/operators/batch_norm/layer.hpp>
+#include <tactnet/operators/convolution/layer.hpp>
+#include <tactnet/operators/dense/layer.hpp>
 
 #include <doctest/doctest.h>
 

@@ -4,8 +4,8 @@
 
 #include "../hold.hpp"
 
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 
 #include <doctest/doctest.h>
 

@@ -3,7 +3,7 @@
 // Methods of convolution in integers against plain loops in 64 bits.
 
 #include <tactnet/kernels/integer/convolution/methods.hpp>
-#include <tactnet/layers/activations/activation_function.hpp>
+#include <tactnet/operators/activations/function.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>

@@ -3,8 +3,8 @@
 // A layer behind virtual functions, so that the checks of conformance.cpp are compiled once for each number
 // type and not once for each layer.
 
-#include <tactnet/layers/composition/layer_list.hpp>
-#include <tactnet/layers/layer.hpp>
+#include <tactnet/operators/layer.hpp>
+#include <tactnet/operators/sequence/layer_list.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <cstddef>

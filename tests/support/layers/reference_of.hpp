@@ -2,7 +2,7 @@
 
 // The reference of a layer specification.
 
-#include <tactnet/layers.hpp>
+#include <tactnet/operators.hpp>
 
 #include <algorithm>
 #include <cmath>

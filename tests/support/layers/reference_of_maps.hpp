@@ -2,7 +2,7 @@
 
 // The references of layers that give a map another size. reference_of.hpp includes it.
 
-#include <tactnet/layers.hpp>
+#include <tactnet/operators.hpp>
 
 #include <support/layers/reference.hpp>
 #include <support/layers/window_of.hpp>

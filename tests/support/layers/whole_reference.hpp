@@ -7,7 +7,7 @@
 
 #include <tactnet/deployment/deployed_view.hpp>
 #include <tactnet/deployment/eight_bit/steps.hpp>
-#include <tactnet/deployment/steps/gate.hpp>
+#include <tactnet/operators/gate/step.hpp>
 
 #include <algorithm>
 #include <cmath>

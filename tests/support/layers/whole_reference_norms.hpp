@@ -3,8 +3,8 @@
 // What norms with moments of each frame, and of responses, must give in 8 bits. whole_reference.hpp includes
 // it.
 
-#include <tactnet/deployment/eight_bit/steps/local_response_norm.hpp>
-#include <tactnet/deployment/eight_bit/steps/sample_norm.hpp>
+#include <tactnet/operators/local_response_norm/eight_bit.hpp>
+#include <tactnet/operators/sample_norms/eight_bit.hpp>
 
 #include <algorithm>
 #include <cmath>

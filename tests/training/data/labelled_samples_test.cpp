@@ -1,7 +1,7 @@
 #include "../toy_task.hpp"
 
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/loop/epoch_samples.hpp>
 #include <tactnet/training/loop/trainable.hpp>

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/deployment/eight_bit/layout.hpp>
-#include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/lowering/quantise.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/format.hpp>
-#include <tactnet/deployment/eight_bit/quantise.hpp>
+#include <tactnet/lowering/eight_bit_format.hpp>
+#include <tactnet/lowering/quantise.hpp>
 #include <tactnet/tensor/named_array.hpp>
 #include <tactnet/tensor/shape.hpp>
 

@@ -1,19 +1,11 @@
 #pragma once
 
 #include <tactnet/deployment/deployed_view.hpp>
-#include <tactnet/deployment/eight_bit/format.hpp>
-#include <tactnet/deployment/eight_bit/quantise.hpp>
-#include <tactnet/deployment/eight_bit/steps/convolution.hpp>
-#include <tactnet/deployment/eight_bit/steps/dilation_phases.hpp>
-#include <tactnet/deployment/eight_bit/steps/elementwise.hpp>
-#include <tactnet/deployment/eight_bit/steps/gate.hpp>
-#include <tactnet/deployment/eight_bit/steps/local_response_norm.hpp>
-#include <tactnet/deployment/eight_bit/steps/parametric_relu.hpp>
-#include <tactnet/deployment/eight_bit/steps/pooling.hpp>
-#include <tactnet/deployment/eight_bit/steps/resampling.hpp>
-#include <tactnet/deployment/eight_bit/steps/sample_norm.hpp>
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/integer/elementwise.hpp>
+#include <tactnet/lowering/eight_bit_format.hpp>
+#include <tactnet/lowering/quantise.hpp>
+#include <tactnet/operators/eight_bit.hpp>
 
 #include <algorithm>
 #include <array>

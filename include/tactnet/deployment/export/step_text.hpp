@@ -1,10 +1,10 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/format.hpp>
 #include <tactnet/kernels/frame/dense.hpp>
 #include <tactnet/kernels/local_response.hpp>
 #include <tactnet/kernels/sampling_axis.hpp>
-#include <tactnet/layers/activations/activation_function.hpp>
+#include <tactnet/lowering/eight_bit_format.hpp>
+#include <tactnet/operators/activations/function.hpp>
 #include <tactnet/tensor/pooling_windows.hpp>
 #include <tactnet/tensor/shape.hpp>
 

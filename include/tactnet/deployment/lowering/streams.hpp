@@ -1,17 +1,17 @@
 #pragma once
 
-#include <tactnet/deployment/steps/step.hpp>
 #include <tactnet/deployment/streaming/chain.hpp>
-#include <tactnet/deployment/streaming/step.hpp>
-#include <tactnet/layers/activations/activation.hpp>
-#include <tactnet/layers/composition/named.hpp>
-#include <tactnet/layers/composition/residual.hpp>
-#include <tactnet/layers/composition/sequence.hpp>
-#include <tactnet/layers/dense.hpp>
-#include <tactnet/layers/dropout.hpp>
-#include <tactnet/layers/time/causal_conv1d.hpp>
-#include <tactnet/layers/time/last_frame.hpp>
-#include <tactnet/layers/time/recurrent.hpp>
+#include <tactnet/lowering/step.hpp>
+#include <tactnet/lowering/stream_step.hpp>
+#include <tactnet/operators/activations/layer.hpp>
+#include <tactnet/operators/causal_convolution/layer.hpp>
+#include <tactnet/operators/dense/layer.hpp>
+#include <tactnet/operators/dropout/layer.hpp>
+#include <tactnet/operators/last_frame/layer.hpp>
+#include <tactnet/operators/recurrent/layer.hpp>
+#include <tactnet/operators/residual/layer.hpp>
+#include <tactnet/operators/sequence/layer.hpp>
+#include <tactnet/operators/sequence/named.hpp>
 
 #include <cstddef>
 #include <type_traits>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/deployment/streaming/step.hpp>
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/lowering/stream_step.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <tactnet/deployment/streaming/chain.hpp>
-#include <tactnet/deployment/streaming/frame_ring.hpp>
-#include <tactnet/deployment/streaming/step.hpp>
 #include <tactnet/kernels/elementwise.hpp>
 #include <tactnet/kernels/frame/ordered_product.hpp>
-#include <tactnet/layers/activations/activation_function.hpp>
-#include <tactnet/layers/time/cells/cell.hpp>
+#include <tactnet/lowering/frame_ring.hpp>
+#include <tactnet/lowering/stream_step.hpp>
+#include <tactnet/operators/activations/function.hpp>
+#include <tactnet/operators/recurrent/cell.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/layers.hpp>
 #include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
 
 #include <cstddef>
 

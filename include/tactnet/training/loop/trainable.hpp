@@ -2,7 +2,7 @@
 
 #include <tactnet/image/augmentation.hpp>
 #include <tactnet/image/transform.hpp>
-#include <tactnet/layers/layer.hpp>
+#include <tactnet/operators/layer.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/text/message.hpp>
 #include <tactnet/training/data/sample_batch.hpp>

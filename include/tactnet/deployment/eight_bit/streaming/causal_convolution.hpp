@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/eight_bit/streaming/frame_step.hpp>
-#include <tactnet/deployment/streaming/frame_ring.hpp>
+#include <tactnet/lowering/frame_ring.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/format.hpp>
-#include <tactnet/deployment/eight_bit/steps/convolution.hpp>
-#include <tactnet/deployment/eight_bit/steps/elementwise.hpp>
 #include <tactnet/deployment/streaming/single_precision.hpp>
+#include <tactnet/lowering/eight_bit_format.hpp>
+#include <tactnet/operators/activations/eight_bit.hpp>
+#include <tactnet/operators/convolution/eight_bit.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -12,7 +12,7 @@
 // What a layer does with one frame of a stream in 8 bits, in the format eight_bit_between<Input, Output>: it
 // reads bytes, or words of 16 bits if it is the first; it writes bytes, or floats if it is the last and can.
 // Products are the convolutions of one frame that networks of images have. In addition to the members of
-// every step (deployment/streaming/step.hpp), a step has
+// every step (lowering/stream_step.hpp), a step has
 //   exact                          the step in single precision
 //   observes_output                whether calibration observes the range of its output
 //   set_ranges(folded, input, next)  the ranges of its maps, of which observed ones are read from `next`;

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/format.hpp>
-#include <tactnet/deployment/eight_bit/quantise.hpp>
 #include <tactnet/deployment/stream_view.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
+#include <tactnet/lowering/eight_bit_format.hpp>
+#include <tactnet/lowering/quantise.hpp>
 
 #include <algorithm>
 #include <cmath>

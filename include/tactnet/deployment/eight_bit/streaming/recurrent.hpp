@@ -2,8 +2,8 @@
 
 #include <tactnet/deployment/eight_bit/streaming/frame_step.hpp>
 #include <tactnet/kernels/integer/recurrent.hpp>
-#include <tactnet/layers/time/cells/gru_cell.hpp>
-#include <tactnet/layers/time/cells/lstm_cell.hpp>
+#include <tactnet/operators/recurrent/gru_cell.hpp>
+#include <tactnet/operators/recurrent/lstm_cell.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,0 +1,146 @@
+#pragma once
+
+#include <tactnet/lowering/step.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <string_view>
+
+// The number format of 8 bits: maps of bytes, weights of signed bytes with a scale for each filter, sums of
+// 32 bits. A byte q of a map stands for (q − zero point) × scale, with one scale and one zero point a map.
+//
+// A step with parameters lists the arrays of its folded numbers in `arrays`, for packing, checks and files.
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// The format of a step in 8 bits that reads and writes such numbers: bytes between steps, words of 16 bits
+/// for the frame (deployment/eight_bit/steps.hpp), floats for the outputs. Memory is counted in bytes.
+template <class Input, class Output>
+struct eight_bit_between {
+    using activation = std::uint8_t;
+    using packed_number = std::int8_t;
+    using input_format = eight_bit_between<std::int16_t, std::uint8_t>;
+    using hidden_format = eight_bit_between<std::uint8_t, std::uint8_t>;
+    using output_format = eight_bit_between<Input, float>;
+    static constexpr bool has_output_format = true;
+    static constexpr bool fuses_functions = false; ///< they are tables of bytes
+    /// Declares the steps in this format, for exported headers.
+    static constexpr const char *steps_header = "tactnet/deployment/eight_bit/steps.hpp",
+                                *stream_steps_header = "tactnet/deployment/eight_bit/streaming/steps.hpp";
+};
+/// The number format of 8 bits: bytes between layers, floats at the outputs.
+using eight_bit = eight_bit_between<std::uint8_t, std::uint8_t>;
+
+/// The affine quantisation of a map: value = (byte − zero point) × scale. The zero point is an integer from 0
+/// to 255.
+struct map_range {
+    float scale = 1, zero_point = 0;
+
+    /// The range of values from `lowest` to `highest`, both finite. It contains 0, so that padding is exact.
+    [[nodiscard]] static constexpr map_range of(double lowest, double highest) {
+        lowest = std::min(lowest, 0.0), highest = std::max(highest, 0.0);
+        if (!(highest - lowest > 1e-30))
+            return {};
+        const double scale = (highest - lowest) / 255;
+        return {static_cast<float>(scale), static_cast<float>(static_cast<int>(-lowest / scale + 0.5))};
+    }
+    /// Reads a range from folded numbers.
+    [[nodiscard]] static constexpr map_range read(const float* from) { return {from[0], from[1]}; }
+    constexpr void write(float* to) const { to[0] = scale, to[1] = zero_point; }
+    static constexpr std::size_t numbers = 2;
+};
+
+/// The meaning of the numbers of an array.
+enum class folded_kind {
+    weights,          ///< signed bytes times the scale of their filter; the first extent counts the filters
+    numbers,          ///< plain numbers
+    positive_numbers, ///< numbers above zero
+    scales,           ///< the step of the weights of each filter, or of the words of each feature
+    range             ///< scale and zero point of a map: map_range
+};
+/// An array of the folded numbers of a step. The array of a range has the name of a map: input, added,
+/// output.
+struct folded_array {
+    const char* name = ""; ///< "weight", "bias", "input"
+    folded_kind kind = folded_kind::numbers;
+    std::array<std::size_t, 4> extents{}; ///< zeros after the last
+
+    [[nodiscard]] constexpr std::size_t size() const {
+        std::size_t product = 1;
+        for (const std::size_t extent : extents)
+            product *= extent > 0 ? extent : 1;
+        return product;
+    }
+};
+/// The ranges of a step's maps: the map that it reads, the map that it adds to, and the map that it writes.
+struct step_ranges {
+    map_range input, added, output;
+};
+
+/// Up to six arrays in sequence.
+struct folded_arrays {
+    std::array<folded_array, 6> list{}; ///< the first `count` are used
+    std::size_t count = 0;
+
+    /// Arrays without a name are left out.
+    constexpr folded_arrays(std::initializer_list<folded_array> all) {
+        for (const folded_array& array : all)
+            if (*array.name != 0)
+                list[count++] = array;
+    }
+    [[nodiscard]] constexpr std::size_t numbers() const {
+        std::size_t sum = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            sum += list[i].size();
+        return sum;
+    }
+    /// How many of them are ranges of maps.
+    [[nodiscard]] constexpr std::size_t ranges() const {
+        std::size_t sum = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            sum += list[i].kind == folded_kind::range ? 1 : 0;
+        return sum;
+    }
+    /// The ranges among the folded numbers of the step, and (1, 0) for maps that the step does not have.
+    [[nodiscard]] constexpr step_ranges read_ranges(const float* from) const {
+        step_ranges result;
+        for (std::size_t i = 0; i < count; from += list[i++].size())
+            if (list[i].kind == folded_kind::range)
+                of_map(result, list[i].name) = map_range::read(from);
+        return result;
+    }
+    constexpr void write_ranges(float* to, step_ranges values) const {
+        for (std::size_t i = 0; i < count; to += list[i++].size())
+            if (list[i].kind == folded_kind::range)
+                of_map(values, list[i].name).write(to);
+    }
+
+private:
+    static constexpr map_range& of_map(step_ranges& ranges, std::string_view map) {
+        return map == "input" ? ranges.input : map == "added" ? ranges.added : ranges.output;
+    }
+};
+/// The array of a map's range; without a name for a map that the step does not have.
+[[nodiscard]] constexpr folded_array range_array(const char* map, bool there = true) {
+    return {there ? map : "", folded_kind::range, {map_range::numbers}};
+}
+
+namespace detail {
+
+/// The base of steps that cannot come first: they would treat the 16-bit words of the frame as bytes. They
+/// also derive from the version that reads bytes, so this is the only error shown.
+template <std::size_t Stride>
+struct cannot_read_the_frame {
+    static_assert(
+        Stride == 0,
+        "deploy: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, "
+        "instance, layer or local response norm: a convolution, a dense layer or a batch norm must come "
+        "first");
+};
+
+} // namespace detail
+
+}} // namespace tactnet

@@ -1,0 +1,172 @@
+#pragma once
+
+#include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/fused_activation.hpp>
+#include <tactnet/tensor/shape.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <limits>
+
+// What a deployed network does, step by step. A step stands for one or several layers and knows only sizes.
+// Its constants:
+//   output, output_stride   the map that it writes, pixel by pixel, and elements from one pixel to the next
+//   folded_elements         numbers that remain of the layers' parameters once batch norms are folded in
+//                           ([output][channel][row][column], then biases), in single precision
+//   packed_elements         the same numbers in the order of use, padded to whole vectors, in the format
+//   workspace_elements      elements of memory that it needs while it runs, in whole cache lines
+// and its functions:
+//   pack                    writes packed numbers from folded ones into zeros; constexpr
+//   run                     computes one map from another
+//   output_bound            in single precision: the largest magnitude of an output if inputs have at most
+//                           `input`
+// Members with a default in step_defaults:
+//   layerwise               whether to prefer layer-wise batching, and all threads for one frame
+//   fills_map               false if it writes only some channels of a map that other steps write to
+//   gives_probabilities     true if its outputs are probabilities
+//   number_elements         elements of the map that a number of its output takes, if not one
+//   largest_output          a bound of the magnitude of its outputs, whatever the input
+//   keeps_values            whether it only puts its inputs in other places
+//   after_sum               the activation function that it applies after adding to what its output holds
+// Optional functions:
+//   run_share               computes the share of one thread in several frames
+//   run_batch               computes several frames on an executor (batch_executor.hpp)
+// A step with neither run_share nor run_batch computes one frame at a time. In every map, lanes beyond the
+// last channel of a pixel hold zeros.
+//
+// The headers in this folder need neither exceptions nor run-time type information nor files.
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// The number format of single precision: maps and packed weights are floats. Each step is a template on a
+/// number format and is defined by its specialisations. A further format is a further set of specialisations.
+struct single_precision {
+    using activation = float;                        ///< an element of a map
+    using packed_number = float;                     ///< an element of the packed weights
+    using input_format = single_precision;           ///< format of the step that reads the frame
+    using hidden_format = single_precision;          ///< format of steps that read the map of another
+    using output_format = single_precision;          ///< format of the step that writes the outputs
+    static constexpr bool has_output_format = false; ///< whether the last step has a format of its own
+    static constexpr bool fuses_functions = true; ///< whether convolutions fuse other functions than a ReLU
+};
+
+/// Reads a frame into the map of the first step. Specialised for each number format.
+template <class Format, shape Input>
+struct input_stage;
+/// Writes the map of the last step as outputs. Specialised for each number format.
+template <class Format, shape Output, std::size_t Stride>
+struct output_stage;
+
+/// The optional members of a step, as most steps have them. Derive from it, and hide what differs.
+struct step_defaults {
+    static constexpr std::size_t folded_elements = 0, packed_elements = 0, workspace_elements = 0;
+    static constexpr bool layerwise = false, fills_map = true, gives_probabilities = false;
+    static constexpr bool keeps_values = false;
+    static constexpr const kernels::fused_activation* after_sum = &kernels::no_activation;
+    static constexpr std::size_t number_elements = 1;
+    static constexpr double largest_output = std::numeric_limits<double>::infinity();
+};
+
+/// The requirements on a step, as above.
+template <class Step>
+concept deployed_step = requires(const float* folded, typename Step::format::packed_number* to,
+                                 const typename Step::format::packed_number* packed,
+                                 const typename Step::format::activation* in,
+                                 typename Step::format::activation* out) {
+    { Step::output } -> std::convertible_to<shape>;
+    {
+        Step::output_stride + Step::folded_elements + Step::packed_elements + Step::workspace_elements
+    } -> std::convertible_to<std::size_t>;
+    { Step::layerwise || Step::fills_map || Step::gives_probabilities } -> std::convertible_to<bool>;
+    Step::pack(folded, to);
+    { Step::run(packed, in, out, out) } noexcept;
+} && (!std::same_as<typename Step::format, single_precision> || requires(const float* folded) {
+                            { Step::output_bound(folded, 1.0) } -> std::same_as<double>;
+                        });
+
+/// The base of steps that write a map of this shape. It has no parameters: steps with parameters hide its
+/// members. A step whose outputs can exceed its inputs defines an output_bound of its own.
+template <class Format, shape Output, std::size_t Stride>
+struct step_base : step_defaults {
+    using format = Format;
+    static constexpr shape output = Output;
+    static constexpr std::size_t output_stride = Stride;
+    static constexpr void pack(const float*, typename Format::packed_number*) {}
+    static double output_bound(const float*, double input) { return input; }
+};
+
+namespace detail {
+
+/// The largest |bias| + input · Σ |weight| of all outputs. `weights` holds [output][weight], then biases.
+[[nodiscard]] inline double largest_sum(const float* weights, std::size_t outputs, std::size_t of_one,
+                                        double input) {
+    double most = 0;
+    for (std::size_t o = 0; o < outputs; ++o) {
+        double sum = 0;
+        for (std::size_t i = 0; i < of_one; ++i)
+            sum += std::abs(static_cast<double>(weights[o * of_one + i]));
+        most = std::max(most, sum * input + std::abs(static_cast<double>(weights[outputs * of_one + o])));
+    }
+    return most;
+}
+
+} // namespace detail
+
+// Each step describes itself once, in the file that declares it, for all that read the description: the
+// export of headers, the layout of weight files and the graph for calibration. A description is a list of
+// constants, without strings on the heap, so that targets without files may include it:
+//
+//     template <class Format, shape Map, std::size_t Stride>
+//     struct tactnet::step_description<my_step<Format, Map, Stride>> {
+//         static constexpr const char* header = "my/step.hpp"; // that declares it, unless the library does
+//         static constexpr void visit(auto&& to) {
+//             to("my_step", "My layer", std::type_identity<Format>{}, Map, tactnet::input_stride_argument{});
+//         }
+//     };
+//
+// The visitor gets the template's name, a human-readable title, and the template's arguments in order: values
+// as they are, types as std::type_identity, and the two kinds below.
+
+/// The description of a step, specialised next to the step.
+template <class Step>
+struct step_description;
+
+/// The argument for the elements from one pixel of the step's input to the next. They depend on the
+/// instruction set.
+struct input_stride_argument {};
+
+/// How a step is composed of others.
+enum class step_composition { chain, sum, product, concatenation, wrapper };
+
+/// The argument for a step inside another one.
+template <class Step, step_composition How>
+struct inner_step {
+    using step = Step;
+    const char* name;       ///< its part in the outer step: "main"; numbered in chains and concatenations
+    std::size_t offset = 0; ///< of a branch of a concatenation: its first channel
+    static constexpr bool numbered = How == step_composition::chain || How == step_composition::concatenation;
+};
+
+namespace detail {
+
+/// Whether an argument of a description is a step inside.
+template <class Argument>
+inline constexpr bool is_inner_step = false;
+template <class Step, step_composition How>
+inline constexpr bool is_inner_step<inner_step<Step, How>> = true;
+
+} // namespace detail
+
+/// The identity, as the skip of a residual block or a branch of a concatenation.
+struct no_step : step_defaults {
+    static constexpr void pack(const float*, auto*) {}
+    static double output_bound(const float*, double input) { return input; }
+};
+template <>
+struct step_description<no_step> {
+    static constexpr void visit(auto&& to) { to("tactnet::no_step", "Nothing"); }
+};
+
+}} // namespace tactnet

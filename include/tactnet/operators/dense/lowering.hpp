@@ -1,0 +1,32 @@
+#pragma once
+
+#include <tactnet/lowering/lowering.hpp>
+#include <tactnet/operators/dense/layer.hpp>
+#include <tactnet/operators/dense/step.hpp>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// The lowering of a fully connected layer.
+template <class Place>
+struct lowered_dense {
+    using layer = typename Place::layer;
+    using step = dense_step<typename Place::format,
+                            kernels::frame_dense{layer::input, Place::input_stride, layer::output.channels}>;
+
+    using as_output = lowered_dense<typename Place::as_output>;
+
+    static void fold(const parameter_source& list, float* to) {
+        std::copy_n(Place::parameters(list).values, layer::parameters, to);
+    }
+};
+
+template <std::size_t Outputs>
+struct lowering<dense<Outputs>> {
+    template <class Place>
+    using at = lowered_dense<Place>;
+};
+
+}} // namespace tactnet

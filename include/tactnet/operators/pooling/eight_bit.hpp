@@ -1,0 +1,100 @@
+#pragma once
+
+#include <tactnet/kernels/frame/pooling.hpp>
+#include <tactnet/kernels/integer/rounding.hpp>
+#include <tactnet/lowering/eight_bit_format.hpp>
+#include <tactnet/lowering/quantise.hpp>
+#include <tactnet/operators/pooling/step.hpp>
+#include <tactnet/tensor/pooling_windows.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// A max pool in 8 bits: the largest byte stands for the largest number.
+template <sliding_window Window, std::size_t Stride>
+struct pool_step<eight_bit, Window, Stride>
+    : step_base<eight_bit, shape{Window.output_rows(), Window.output_columns(), Window.input.channels},
+                Stride> {
+    static void run(const std::int8_t*, const std::uint8_t* in, std::uint8_t* out, std::uint8_t*) noexcept {
+        kernels::pool_frame<Window, Stride>(in, out);
+    }
+};
+
+/// An adaptive max pool in 8 bits.
+template <shape Input, extent2d Output, std::size_t Stride>
+struct adaptive_max_pool_step<eight_bit, Input, Output, Stride>
+    : step_base<eight_bit, shape{Output.rows, Output.columns, Input.channels}, Stride> {
+    static constexpr pooling_windows bins{{Input.rows, Output.rows}, {Input.columns, Output.columns}};
+
+    static void run(const std::int8_t*, const std::uint8_t* in, std::uint8_t* out, std::uint8_t*) noexcept {
+        kernels::pool_frame<Stride>(bins, in, out);
+    }
+    /// For calibration, whose maps are not aligned.
+    static void reference(const float*, const float* in, float* out) {
+        kernels::largest_pixels<float>(bins, Input.channels, in, out);
+    }
+};
+
+/// An average pool in 8 bits: sums of integers, divided as they are rounded.
+template <class Output, pooling_windows Windows, std::size_t Channels, std::size_t Stride>
+struct average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>
+    : step_base<eight_bit, shape{Windows.rows.outputs, Windows.columns.outputs, Channels}, Stride> {
+    static constexpr bool writes_bytes = std::is_same_v<Output, std::uint8_t>;
+    static constexpr std::size_t number_elements = sizeof(Output); ///< bytes per number that it writes
+    static constexpr folded_arrays arrays{range_array("input"), range_array("output", writes_bytes)};
+    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
+
+private:
+    static constexpr std::size_t input_zero = sizeof(float), zero = input_zero + 1; // after the factor
+
+public:
+    static constexpr std::size_t packed_elements = pad_to_cache_line<std::int8_t>(zero + 1);
+
+    static constexpr void pack(const float* from, std::int8_t* to) {
+        const auto [input, added, result] = arrays.read_ranges(from);
+        detail::store_number(
+            to, static_cast<float>(static_cast<double>(input.scale) / static_cast<double>(result.scale)));
+        detail::store_byte(to + input_zero, static_cast<double>(input.zero_point));
+        detail::store_byte(to + zero, static_cast<double>(result.zero_point));
+    }
+    static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
+                    std::uint8_t*) noexcept {
+        const auto factor = kernels::load_bytes_as<float>(packed_values);
+        const std::uint8_t zero_of_input = detail::load_byte(packed_values + input_zero);
+        const kernels::byte_range range{0, 255, detail::load_byte(packed_values + zero)};
+        Windows.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t divisor) {
+            std::array<std::int32_t, Stride> sums{};
+            for (std::size_t y = rows.begin; y < rows.end; ++y)
+                for (std::size_t x = columns.begin; x < columns.end; ++x)
+                    for (std::size_t c = 0; c < Stride; ++c)
+                        sums[c] += in[(y * Windows.columns.size + x) * Stride + c] - zero_of_input;
+            const float scale = factor / static_cast<float>(divisor);
+            for (std::size_t c = 0; c < Stride; ++c) {
+                if constexpr (writes_bytes)
+                    kernels::store_rounded<1>(out + o * Stride + c, kernels::int32_vec<1>{sums[c]},
+                                              kernels::float_vec<1>{scale}, range);
+                else
+                    reinterpret_cast<Output*>(out)[o * Stride + c] = static_cast<float>(sums[c]) * scale;
+            }
+        });
+    }
+};
+
+template <sliding_window Window, std::size_t Stride>
+struct pool_step<eight_bit::input_format, Window, Stride> : pool_step<eight_bit, Window, Stride>,
+                                                            detail::cannot_read_the_frame<Stride> {};
+
+template <shape Input, extent2d Output, std::size_t Stride>
+struct adaptive_max_pool_step<eight_bit::input_format, Input, Output, Stride>
+    : adaptive_max_pool_step<eight_bit, Input, Output, Stride>, detail::cannot_read_the_frame<Stride> {};
+
+template <class Output, pooling_windows Windows, std::size_t Channels, std::size_t Stride>
+struct average_pool_step<eight_bit_between<std::int16_t, Output>, Windows, Channels, Stride>
+    : average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>,
+      detail::cannot_read_the_frame<Stride> {};
+
+}} // namespace tactnet

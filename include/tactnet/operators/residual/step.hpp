@@ -1,0 +1,109 @@
+#pragma once
+
+#include <tactnet/lowering/batch_executor.hpp>
+#include <tactnet/lowering/step.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <type_traits>
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// main(x) + skip(x), with the activation function after it. The skip is written to the output first, and the
+/// main branch's last convolution adds to it. The input has `InputStride` elements from one pixel to the
+/// next.
+template <class Main, class Skip, std::size_t InputStride>
+struct residual_step : step_defaults {
+    using format = typename Main::format;
+    using activation = typename format::activation;
+    using packed_number = typename format::packed_number;
+    static constexpr shape output = Main::output;
+    static constexpr std::size_t output_stride = Main::output_stride;
+    static constexpr std::size_t folded_elements = Main::folded_elements + Skip::folded_elements,
+                                 packed_elements = Main::packed_elements + Skip::packed_elements;
+    /// Elements for a skip that is computed in the workspace, since its pixels have another stride than the
+    /// output.
+    static constexpr std::size_t aside = [] {
+        if constexpr (std::is_same_v<Skip, no_step>)
+            return std::size_t{0};
+        else
+            return Skip::output_stride == output_stride
+                       ? 0
+                       : pad_to_cache_line<activation>(output.area() * Skip::output_stride);
+    }();
+    static constexpr std::size_t workspace_elements =
+        std::max(Main::workspace_elements, aside + Skip::workspace_elements);
+
+    static constexpr bool layerwise = Main::layerwise || Skip::layerwise;
+    static constexpr double largest_output = Main::largest_output;
+
+    static constexpr void pack(const float* from, packed_number* to) {
+        Main::pack(from, to);
+        Skip::pack(from + Main::folded_elements, to + Main::packed_elements);
+    }
+    static double output_bound(const float* from, double input) {
+        const double sum =
+            Main::output_bound(from, input) + Skip::output_bound(from + Main::folded_elements, input);
+        if constexpr (Main::after_sum->exists)
+            return Main::after_sum->output_bound(sum);
+        else
+            return sum;
+    }
+    static void run(const packed_number* packed_values, const activation* in, activation* out,
+                    activation* memory) noexcept {
+        leave_skip(packed_values, in, out, memory);
+        Main::run(packed_values, in, out, memory);
+    }
+    /// The first half: writes the skip to the output.
+    static void leave_skip(const packed_number* packed_values, const activation* in, activation* out,
+                           activation* memory) noexcept {
+        if constexpr (std::is_same_v<Skip, no_step>) {
+            copy_pixels<InputStride>(in, out);
+        } else if constexpr (aside == 0) {
+            Skip::run(packed_values + Main::packed_elements, in, out, memory);
+        } else {
+            Skip::run(packed_values + Main::packed_elements, in, memory, memory + aside);
+            copy_pixels<Skip::output_stride>(memory, out);
+        }
+    }
+    template <class Executor>
+        requires(aside == 0)
+    static void run_batch(const packed_number* packed_values, const activation* in, std::size_t in_distance,
+                          activation* out, activation* memory, const Executor& executor) {
+        if constexpr (std::is_same_v<Skip, no_step>)
+            executor.for_each_frame([&](std::size_t frame) {
+                copy_pixels<InputStride>(in + frame * in_distance,
+                                         out + frame * detail::map_distance<residual_step>);
+            });
+        else
+            detail::run_batch<Skip>(packed_values + Main::packed_elements, in, in_distance, out, memory,
+                                    executor);
+        detail::run_batch<Main>(packed_values, in, in_distance, out, memory, executor);
+    }
+
+private:
+    template <std::size_t Stride>
+    static void copy_pixels(const activation* from, activation* to) {
+        if constexpr (Stride == output_stride) {
+            std::copy_n(from, output.area() * output_stride, to);
+        } else {
+            for (std::size_t pixel = 0; pixel < output.area(); ++pixel) {
+                activation* const end =
+                    std::copy_n(from + pixel * Stride, output.channels, to + pixel * output_stride);
+                std::fill(end, to + (pixel + 1) * output_stride, activation{});
+            }
+        }
+    }
+};
+
+template <class Main, class Skip, std::size_t InputStride>
+struct step_description<residual_step<Main, Skip, InputStride>> {
+    static constexpr const char* header = "tactnet/operators/residual/step.hpp";
+    static constexpr void visit(auto&& to) {
+        to("tactnet::residual_step", "Both branches of a residual block",
+           inner_step<Main, step_composition::sum>{"main"}, inner_step<Skip, step_composition::sum>{"skip"},
+           input_stride_argument{});
+    }
+};
+
+}} // namespace tactnet

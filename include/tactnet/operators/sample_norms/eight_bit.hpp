@@ -1,0 +1,128 @@
+#pragma once
+
+#include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/integer/sample_norm.hpp>
+#include <tactnet/lowering/eight_bit_format.hpp>
+#include <tactnet/lowering/quantise.hpp>
+#include <tactnet/operators/sample_norms/step.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// A group, instance or layer norm in 8 bits: the moments of bytes are exact integers, and each output is
+/// rounded from 1/256 of a step (kernels/integer/sample_norm.hpp).
+template <shape Map, std::size_t Stride, unsigned Kind, std::size_t Groups, bool Rectified>
+struct sample_norm_step<eight_bit, Map, Stride, Kind, Groups, Rectified> : step_base<eight_bit, Map, Stride> {
+private:
+    static constexpr auto kind = static_cast<sample_norm_kind>(Kind);
+    static constexpr bool of_pixels = kind == sample_norm_kind::pixels,
+                          per_element = kind == sample_norm_kind::frame;
+    using kernel_norm = kernels::byte_norm;
+    static constexpr kernel_norm norm{.pixels = Map.area(),
+                                      .channels = Map.channels,
+                                      .stride = Stride,
+                                      .groups = Groups,
+                                      .weight_per_element = per_element};
+    using method =
+        std::conditional_t<of_pixels, kernels::byte_pixel_norm<norm>, kernels::byte_group_norm<norm>>;
+    static constexpr std::size_t weights = per_element ? Map.size() : Map.channels,
+                                 values_together =
+                                     of_pixels ? Map.channels : Map.channels / Groups * Map.area();
+    static constexpr folded_array one_for_each(const char* name) {
+        return per_element ? folded_array{name, folded_kind::numbers, {Map.channels, Map.rows, Map.columns}}
+                           : folded_array{name, folded_kind::numbers, {Map.channels}};
+    }
+
+public:
+    static constexpr folded_arrays arrays{one_for_each("weight"),
+                                          one_for_each("bias"),
+                                          {"epsilon", folded_kind::positive_numbers, {1}},
+                                          range_array("input"),
+                                          range_array("output")};
+    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
+
+private:
+    // Weights, biases, the margin, then the lowest byte and the zero.
+    static constexpr std::size_t biases =
+        pad_to_cache_line<std::int8_t>((per_element ? Map.area() : 1) * Stride * sizeof(float));
+    static constexpr std::size_t margin = 2 * biases, lowest = margin + sizeof(float), zero = lowest + 1;
+
+public:
+    static constexpr std::size_t packed_elements = pad_to_cache_line<std::int8_t>(zero + 1);
+    static constexpr std::size_t workspace_elements = method::memory_bytes;
+
+    static constexpr void pack(const float* from, std::int8_t* to) {
+        const auto [input, added, result] = arrays.read_ranges(from);
+        const double parts = static_cast<double>(kernel_norm::parts) / static_cast<double>(result.scale);
+        // `most` and `least` keep products and 1 ÷ √margin finite; checks.hpp rejects larger biases.
+        constexpr double most = 1e38, most_bias = static_cast<double>(kernel_norm::most_parts), least = 1e-30;
+        for (std::size_t w = 0; w < weights; ++w) {
+            const std::size_t place = per_element ? w % Map.area() * Stride + w / Map.area() : w;
+            const double weight = static_cast<double>(from[w]) * parts,
+                         bias = static_cast<double>(from[weights + w]) * parts;
+            detail::store_number(to + 4 * place, static_cast<float>(std::clamp(weight, -most, most)));
+            detail::store_number(to + biases + 4 * place, static_cast<std::int32_t>(detail::nearest_even(
+                                                              std::clamp(bias, -most_bias, most_bias))));
+        }
+        const auto count = static_cast<double>(values_together), step = static_cast<double>(input.scale);
+        detail::store_number(
+            to + margin,
+            static_cast<float>(std::clamp(
+                static_cast<double>(from[2 * weights]) * (count / step) * (count / step), least, most)));
+        const auto zero_byte = static_cast<double>(result.zero_point);
+        detail::store_byte(to + lowest, Rectified ? zero_byte : 0);
+        detail::store_byte(to + zero, zero_byte);
+    }
+    static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
+                    std::uint8_t* memory) noexcept {
+        const kernels::byte_range range{detail::load_byte(packed_values + lowest), 255,
+                                        detail::load_byte(packed_values + zero)};
+        method::run({packed_values, packed_values + biases,
+                     kernels::load_bytes_as<float>(packed_values + margin), range},
+                    in, out, memory);
+    }
+    /// For calibration.
+    static void reference(const float* from, const float* in, float* out) {
+        constexpr std::size_t channels = Map.channels / Groups;
+        const auto together = [&](std::size_t first_pixel, std::size_t pixels, std::size_t first) {
+            const auto each = [&](const auto& body) {
+                for (std::size_t pixel = first_pixel; pixel < first_pixel + pixels; ++pixel)
+                    for (std::size_t c = first; c < first + channels; ++c)
+                        body(pixel * Map.channels + c, per_element ? c * Map.area() + pixel : c);
+            };
+            double mean = 0, variance = static_cast<double>(from[2 * weights]);
+            each([&](std::size_t e, std::size_t) { mean += static_cast<double>(in[e]); });
+            mean /= static_cast<double>(values_together);
+            each([&](std::size_t e, std::size_t) {
+                const double distance = static_cast<double>(in[e]) - mean;
+                variance += distance * distance / static_cast<double>(values_together);
+            });
+            each([&](std::size_t e, std::size_t w) {
+                const double value = (static_cast<double>(in[e]) - mean) / std::sqrt(variance);
+                out[e] = static_cast<float>(value * static_cast<double>(from[w]) +
+                                            static_cast<double>(from[weights + w]));
+                if (Rectified)
+                    out[e] = std::max(out[e], 0.0f);
+            });
+        };
+        if constexpr (of_pixels)
+            for (std::size_t pixel = 0; pixel < Map.area(); ++pixel)
+                together(pixel, 1, 0);
+        else
+            for (std::size_t group = 0; group < Groups; ++group)
+                together(0, Map.area(), group * channels);
+    }
+};
+
+template <shape Map, std::size_t Stride, unsigned Kind, std::size_t Groups, bool Rectified>
+struct sample_norm_step<eight_bit::input_format, Map, Stride, Kind, Groups, Rectified>
+    : sample_norm_step<eight_bit, Map, Stride, Kind, Groups, Rectified>,
+      detail::cannot_read_the_frame<Stride> {};
+
+}} // namespace tactnet

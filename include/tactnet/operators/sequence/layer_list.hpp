@@ -1,0 +1,182 @@
+#pragma once
+
+#include <tactnet/detail/indexed_leaves.hpp>
+#include <tactnet/operators/layer.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+// A list of layers bound to an input, and the stages in which a training computes it.
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+namespace detail {
+
+/// Whether a list gives its layer a name (named.hpp).
+template <class Spec>
+concept has_given_name = requires { requires Spec::has_given_name; };
+
+// Descriptions of networks are rare calls: the functions below compile once for all networks.
+
+using describe_function = void (*)(const std::string& prefix, std::vector<parameter>& list);
+
+/// Appends the arrays of an inner layer, shifted by its offset.
+[[gnu::cold, gnu::noinline]] inline void describe_inner(describe_function describe, const std::string& name,
+                                                        const layer_offset& offset,
+                                                        std::vector<parameter>& list) {
+    const std::size_t first = list.size();
+    describe(name, list);
+    for (std::size_t p = first; p < list.size(); ++p)
+        list[p].offset += learnable(list[p].role) ? offset.parameters : offset.statistics;
+}
+
+/// A layer of a list, as its description needs it.
+struct listed_description {
+    std::string_view kind;
+    bool is_numbered, is_named;
+    describe_function describe;
+};
+
+/// Appends the arrays of all layers of a list, each under its given name, or under the name of its kind with
+/// a number if there are several.
+[[gnu::cold, gnu::noinline]] inline void describe_list(std::span<const listed_description> layers,
+                                                       const layer_offset* offsets, const std::string& prefix,
+                                                       std::vector<parameter>& list) {
+    for (std::size_t i = 0; i < layers.size(); ++i) {
+        std::size_t before = 0, all = 0;
+        for (std::size_t other = 0; other < layers.size(); ++other)
+            if (layers[other].kind == layers[i].kind)
+                ++all, before += other < i ? 1 : 0;
+        std::string own(layers[i].kind);
+        if (!layers[i].is_named && (layers[i].is_numbered || all > 1))
+            own += std::to_string(before + 1);
+        describe_inner(layers[i].describe, joined_name(prefix, own), offsets[i], list);
+    }
+}
+
+/// Binds the specifications of a list one after the other: the output of each is the input of the next.
+template <class T, shape Input, class Bound, class... Specs>
+struct bound_list {
+    using layers = Bound;
+    static constexpr shape output = Input;
+};
+template <class T, shape Input, class... Bound, class Spec, class... Rest>
+struct bound_list<T, Input, indexed_leaves<Bound...>, Spec, Rest...> {
+    using here = typename Spec::template layer<T, Input>;
+    using next = bound_list<T, here::output, indexed_leaves<Bound..., std::type_identity<here>>, Rest...>;
+    using layers = typename next::layers;
+    static constexpr shape output = next::output;
+};
+
+} // namespace detail
+
+/// A list of specifications bound to an input shape: its layers, where their arrays begin, and which layers
+/// write over their input.
+template <class T, shape Input, class... Specs>
+class layer_list : public layer_base<T, Input, sequence<Specs...>> {
+    using bound = detail::bound_list<T, Input, detail::indexed_leaves<>, detail::checked<Specs>...>;
+    static constexpr std::array<layer_costs, sizeof...(Specs)> costs =
+        detail::costs_of_each<detail::checked<Specs>...>(Input);
+    static constexpr std::array<detail::layer_offset, sizeof...(Specs)> offsets = detail::offsets_of(costs);
+
+public:
+    static constexpr std::size_t size = sizeof...(Specs);
+    static constexpr shape output = bound::output;
+    static constexpr bool in_place = false; // inner layers are
+    template <std::size_t I>
+    using at = typename decltype(detail::type_at<I>(std::declval<typename bound::layers>()))::type;
+    /// Where the arrays of layer I begin among those of the list.
+    template <std::size_t I>
+    static constexpr std::size_t parameter_offset = offsets[I].parameters;
+    template <std::size_t I>
+    static constexpr std::size_t statistic_offset = offsets[I].statistics;
+
+    /// The layer whose buffer holds the output of layer i.
+    static constexpr std::size_t source(std::size_t i) {
+        while (detail::overwriting(costs)[i])
+            --i;
+        return i;
+    }
+    /// Whether layer i writes to the caller's memory, as the last one does.
+    static constexpr bool is_last(std::size_t i) { return source(i) == source(size - 1); }
+
+    /// Appends the arrays of all layers, each under its given name, or under the name of its kind with a
+    /// number if there are several.
+    static void describe(const std::string& prefix, std::vector<parameter>& list) {
+        static constexpr auto layers = []<std::size_t... I>(std::index_sequence<I...>) {
+            return std::array<detail::listed_description, size>{
+                {{detail::checked<Specs>::name, detail::checked<Specs>::numbered,
+                  detail::has_given_name<Specs>, [](const std::string& name, std::vector<parameter>& to) {
+                      at<I>::describe(name, to);
+                  }}...}};
+        }(std::index_sequence_for<Specs...>{});
+        detail::describe_list(layers, offsets.data(), prefix, list);
+    }
+};
+
+// In training, the layers of a list form stages, divided where a layer must see the whole batch. Within a
+// stage the batch is processed in parts, a lane block for each thread, so that each layer finds the output of
+// the one before in the caches. Sums over the batch add one lane block after the other in any case, so
+// results do not depend on the parts.
+
+namespace detail {
+
+/// Where the stages of a list begin and end. Forward, a stage is the layers begin … end − 1 in this order; in
+/// the backward pass, end − 1 … begin.
+template <class List>
+class stages {
+    static constexpr std::size_t size = List::size;
+    struct flags {
+        bool by_parts, observes;
+    };
+    static constexpr auto layers = []<std::size_t... I>(std::index_sequence<I...>) {
+        return std::array<flags, size>{{{List::template at<I>::by_parts, List::template at<I>::observes}...}};
+    }(std::make_index_sequence<size>{});
+
+    /// Whether one of layer i and its predecessor must finish a batch before `next`, the other one, begins.
+    static constexpr bool waits(std::size_t i, std::size_t next) {
+        return layers[next].observes || !layers[i].by_parts || !layers[i - 1].by_parts;
+    }
+
+public:
+    static constexpr bool starts_forward(std::size_t begin) { return begin == 0 || waits(begin, begin); }
+    static constexpr std::size_t forward_end(std::size_t begin) {
+        std::size_t end = begin + 1;
+        while (end < size && !starts_forward(end))
+            ++end;
+        return end;
+    }
+    /// Whether a stage of the backward pass begins with layer end − 1.
+    static constexpr bool starts_backward(std::size_t end) { return end == size || waits(end, end - 1); }
+    static constexpr std::size_t backward_begin(std::size_t end) {
+        std::size_t begin = end - 1;
+        while (begin > 0 && !starts_backward(begin))
+            --begin;
+        return begin;
+    }
+};
+
+} // namespace detail
+
+/// Calls body(context, first, last) for the lane blocks first … last − 1 of each part of a batch, or once for
+/// all of them.
+template <bool ByParts, class Body>
+void for_each_part(const execution_context& context, std::size_t lane_blocks, const Body& body) {
+    if constexpr (!ByParts)
+        return body(context, 0, lane_blocks);
+    const std::size_t most = context.threads.threads();
+    for (std::size_t first = 0; first < lane_blocks; first += most) {
+        execution_context part = context;
+        part.first_lane_block = first;
+        body(part, first, std::min(first + most, lane_blocks));
+    }
+}
+
+}} // namespace tactnet

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <tactnet/kernels/frame/resampling.hpp>
+#include <tactnet/kernels/integer/resampling.hpp>
+#include <tactnet/lowering/eight_bit_format.hpp>
+#include <tactnet/lowering/quantise.hpp>
+#include <tactnet/operators/upsampling/step.hpp>
+
+#include <cstddef>
+#include <cstdint>
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// Nearest pixels in 8 bits: bytes as they are.
+template <shape Input, extent2d Output, std::size_t Stride>
+struct resampling_step<eight_bit, interpolation::nearest, Input, Output, Stride>
+    : step_base<eight_bit, shape{Output.rows, Output.columns, Input.channels}, Stride> {
+    using down = kernels::sampling_axis<interpolation::nearest, Input.rows, Output.rows>;
+    using along = kernels::sampling_axis<interpolation::nearest, Input.columns, Output.columns>;
+
+    static void run(const std::int8_t*, const std::uint8_t* in, std::uint8_t* out, std::uint8_t*) noexcept {
+        kernels::copy_nearest<down, along, Stride>(in, out);
+    }
+    /// For calibration, whose maps are not aligned.
+    static void reference(const float*, const float* in, float* out) {
+        kernels::copy_nearest<down, along, Input.channels, float, float>(in, out);
+    }
+};
+
+/// Bilinear interpolation in 8 bits: means of bytes stand for means of numbers, so the map keeps its range.
+template <shape Input, extent2d Output, std::size_t Stride>
+struct resampling_step<eight_bit, interpolation::bilinear, Input, Output, Stride>
+    : step_base<eight_bit, shape{Output.rows, Output.columns, Input.channels}, Stride> {
+    static constexpr folded_arrays arrays{range_array("input")};
+    static constexpr std::size_t folded_elements = arrays.numbers(),
+                                 packed_elements = pad_to_cache_line<std::int8_t>(1);
+    using down = kernels::sampling_axis<interpolation::bilinear, Input.rows, Output.rows>;
+    using along = kernels::sampling_axis<interpolation::bilinear, Input.columns, Output.columns>;
+
+    static constexpr void pack(const float* from, std::int8_t* to) {
+        detail::store_byte(to, static_cast<double>(arrays.read_ranges(from).input.zero_point));
+    }
+    static void run(const std::int8_t* packed_values, const std::uint8_t* in, std::uint8_t* out,
+                    std::uint8_t*) noexcept {
+        kernels::resample_bytes<down, along, Stride>(in, detail::load_byte(packed_values), out);
+    }
+    /// For calibration.
+    static void reference(const float*, const float* in, float* out) {
+        for (const auto& above : down::table)
+            for (const auto& beside : along::table)
+                for (std::size_t c = 0; c < Input.channels; ++c) {
+                    double sum = 0;
+                    for (std::size_t y = 0; y < down::taps; ++y)
+                        for (std::size_t x = 0; x < along::taps; ++x) {
+                            const std::size_t pixel = (above.first + y) * Input.columns + beside.first + x;
+                            sum += above.weights[y] * beside.weights[x] *
+                                   static_cast<double>(in[pixel * Input.channels + c]);
+                        }
+                    *out++ = static_cast<float>(sum);
+                }
+    }
+};
+
+template <interpolation Mode, shape Input, extent2d Output, std::size_t Stride>
+struct resampling_step<eight_bit::input_format, Mode, Input, Output, Stride>
+    : resampling_step<eight_bit, Mode, Input, Output, Stride>, detail::cannot_read_the_frame<Stride> {};
+
+}} // namespace tactnet
