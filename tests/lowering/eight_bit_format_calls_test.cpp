@@ -3,9 +3,9 @@
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/integer/byte_products.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
-#include <tactnet/operators.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>
+#include <tactnet/operators.hpp>
 
 using namespace tactnet;
 
