@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/networks/costs.hpp>
 #include <tactnet/networks/imagenet/alexnet.hpp>
 #include <tactnet/networks/imagenet/resnet.hpp>
 #include <tactnet/networks/imagenet/squeezenet.hpp>
