@@ -18,13 +18,26 @@ endfunction()
 find_package(Python3 3.7 QUIET COMPONENTS Interpreter)
 function(tactnet_python_test name script)
     if(Python3_Interpreter_FOUND)
-        add_test(NAME ${name} COMMAND Python3::Interpreter "${CMAKE_CURRENT_SOURCE_DIR}/${script}" ${ARGN})
-        set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
+        add_test(NAME ${name} COMMAND Python3::Interpreter "${CMAKE_CURRENT_SOURCE_DIR}/${script}" ${ARGN} COMMAND_EXPAND_LISTS)
     else()
         add_test(NAME ${name} COMMAND "${CMAKE_COMMAND}" -E echo "skipped: needs python3")
-        set_tests_properties(${name} PROPERTIES SKIP_REGULAR_EXPRESSION "skipped:")
     endif()
+    set_tests_properties(
+        ${name} PROPERTIES LABELS "${tactnet_room}" SKIP_RETURN_CODE 77 SKIP_REGULAR_EXPRESSION "skipped:"
+    )
 endfunction()
+
+# What tests that call a compiler by themselves give it, as arguments of tactnet_python_test: where headers are, and the definitions.
+set(tactnet_includes "-I$<JOIN:$<TARGET_PROPERTY:tactnet::simulation,INTERFACE_INCLUDE_DIRECTORIES>,$<SEMICOLON>-I>")
+set(definitions "$<TARGET_PROPERTY:tactnet::tactnet,INTERFACE_COMPILE_DEFINITIONS>")
+set(tactnet_flags "${tactnet_includes}" "$<$<BOOL:${definitions}>:-D$<JOIN:${definitions},$<SEMICOLON>-D>>")
+
+# A second compiler, for the tests of what must not compile and of what compilers make of the library.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    find_program(TACTNET_OTHER_COMPILER clang++ DOC "A second compiler for tests")
+else()
+    find_program(TACTNET_OTHER_COMPILER g++ DOC "A second compiler for tests")
+endif()
 
 # tactnet_test_level(target optimised|quick|unoptimised): compiles a part of a test at its own level, at -O1, or at -O0.
 function(tactnet_test_level target level)
@@ -37,44 +50,120 @@ function(tactnet_test_level target level)
     endif()
 endfunction()
 
-# tactnet_test_part(target level [library...]): a program or object library of the sources of this folder.
-function(tactnet_test_part target level)
+# tactnet_test_part(target level folder [library...]): a program or object library of the sources of a folder.
+function(tactnet_test_part target level folder)
     tactnet_test_level(${target} ${level})
-    target_include_directories(${target} PRIVATE "${CMAKE_CURRENT_SOURCE_DIR}")
+    target_include_directories(${target} PRIVATE "${folder}")
     target_link_libraries(${target} PRIVATE ${ARGN})
     if(TARGET tactnet_precompiled_${level})
         target_precompile_headers(${target} REUSE_FROM tactnet_precompiled_${level})
     endif()
 endfunction()
 
-# tactnet_test(room SOURCES file... [UNOPTIMISED_SOURCES file...] [LIBRARIES target...] [PARTS word...]
-#              [TIMEOUT seconds] [COST seconds] [FULLY_OPTIMISED | UNOPTIMISED] [DATA] [FULL])
+# tactnet_room(room): what the tests that follow belong to, as label of CTest and as target `room_<room>`: all of its programs.
+macro(tactnet_room room)
+    add_custom_target(room_${room})
+    set(tactnet_room ${room})
+    set(CMAKE_DIRECTORY_LABELS ${room})
+endmacro()
+
+# tactnet_test(name [SOURCES file...] [LEVEL optimised|quick|unoptimised] [UNOPTIMISED file... | UNOPTIMISED_BUT file...]
+#              [LIBRARIES target...] [PARTS word...] [TIMEOUT seconds] [COST seconds] [FULL])
 #
-# One program test_<room> and one entry in CTest, or, for one that takes minutes, an entry <room>.<word> for the cases
-# in files with each of these words in their names, and <room> for all others, so that they run side by side. A program
+# One program test_<name> and one entry in CTest, or, for one that takes minutes, an entry <name>.<word> for the cases
+# in files with each of these words in their names, and <name> for all others, so that they run side by side. A program
 # in which no test case is left fails, rather than passing because nothing was wrong.
 #
-# A Release build compiles a room at -O1, or
-# - at its own level with FULLY_OPTIMISED: the kernels, and what is built of them as users build it;
-# - at -O0 with UNOPTIMISED: where results are compared with references and to the bit, and little is computed. This takes
-#   two thirds of the time to compile.
-# UNOPTIMISED_SOURCES are files of an optimised room that are compiled at -O0 all the same: those that compare many
-# sizes with a reference, where most of the time of compiling would go, and those about other things than numbers. They
-# stand last, so that of a function that other files have, too, the linker takes the fully optimised one.
-# With TACTNET_TEST_FULLY_OPTIMISED, as in the presets clang and all-sizes, both are like other rooms and files.
+# Without SOURCES these are all *_test.cpp of the room and its folders, except those of programs before it and of folders with a
+# CMakeLists.txt of their own. Those that include decode_image.hpp or through_jpeg.hpp, which are the examples' and need JPEG and
+# PNG, are left out where these are missing. Those with cases in the suite "data" (`* doctest::test_suite("data")`), which need data
+# that do not belong to the project (support/files/data_folder.hpp), make an entry <name>.data, which CTest reports as skipped where
+# the data are missing.
 #
-# DATA is for rooms with cases in the suite "data" (`* doctest::test_suite("data")`): they need data that do not belong to
-# the project (support/files/data_folder.hpp), and are an entry <room>.data of their own, which CTest reports as skipped
-# where the data are missing. FULL leaves the room to the full suite. COST is about what the test takes,
-# so that CTest starts the longest first.
-function(tactnet_test room)
+# A Release build compiles at LEVEL: at -O1 (quick), at the level of users (optimised: the kernels, and what is built of them),
+# or at -O0 (unoptimised), where results are compared with references and to the bit, and little is computed: this takes two thirds
+# of the time to compile. UNOPTIMISED are files at -O0 whatever the LEVEL, UNOPTIMISED_BUT those that are not, alone. Files at -O0
+# stand last, so that of a function that other files have, too, the linker takes the optimised one. With TACTNET_TEST_FULLY_OPTIMISED, as in the preset
+# clang, nothing is unoptimised.
+#
+# FULL leaves the program to the full suite. COST is about what it takes, so that CTest starts the longest first.
+function(tactnet_test name)
     cmake_parse_arguments(
-        PARSE_ARGV 1 test "FULLY_OPTIMISED;UNOPTIMISED;DATA;FULL" "TIMEOUT;COST"
-        "SOURCES;UNOPTIMISED_SOURCES;LIBRARIES;PARTS"
+        PARSE_ARGV 1 test "FULL" "LEVEL;TIMEOUT;COST" "SOURCES;UNOPTIMISED;UNOPTIMISED_BUT;LIBRARIES;PARTS"
     )
-    if(test_UNPARSED_ARGUMENTS OR NOT test_SOURCES)
-        message(FATAL_ERROR "tactnet_test(${room}): expected SOURCES file..., found '${ARGN}'.")
+    if(test_UNPARSED_ARGUMENTS)
+        message(FATAL_ERROR "tactnet_test(${name}): there is no '${test_UNPARSED_ARGUMENTS}'.")
     endif()
+    set(room "${tactnet_room}")
+    set(folder "${CMAKE_CURRENT_SOURCE_DIR}")
+    if(folder STREQUAL "${PROJECT_SOURCE_DIR}/tests")
+        string(APPEND folder "/${room}")
+    endif()
+    cmake_path(RELATIVE_PATH folder BASE_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE path)
+    set(sources ${test_SOURCES})
+    if(NOT sources)
+        file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE "${folder}" "${folder}/*_test.cpp")
+        file(GLOB_RECURSE own RELATIVE "${folder}" "${folder}/*/CMakeLists.txt")
+        list(TRANSFORM own REPLACE "CMakeLists.txt$" ".*" )
+        foreach(pattern IN LISTS own)
+            list(FILTER sources EXCLUDE REGEX "^${pattern}")
+        endforeach()
+        get_property(taken GLOBAL PROPERTY tactnet_sources_of_${room})
+        list(REMOVE_ITEM sources ${taken} "")
+    endif()
+    set_property(GLOBAL APPEND PROPERTY tactnet_sources_of_${room} ${sources})
+    set(has_data FALSE)
+    foreach(source IN LISTS sources)
+        cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY "${folder}" OUTPUT_VARIABLE file)
+        if(NOT EXISTS "${file}")
+            continue() # it is made by the build
+        endif()
+        file(STRINGS "${file}" lines REGEX "^#include .*(decode_image|through_jpeg)[.]hpp|test_suite\\(\"data\"\\)")
+        if(lines MATCHES "#include" AND NOT TARGET tactnet_image_files)
+            message(STATUS "tactnet: ${path}/${source} is left out (needs TACTNET_BUILD_EXAMPLES, JPEG and PNG)")
+            list(REMOVE_ITEM sources "${source}")
+            continue()
+        elseif(lines MATCHES "#include")
+            list(APPEND test_LIBRARIES tactnet_image_files)
+        endif()
+        if(lines MATCHES "test_suite")
+            set(has_data TRUE)
+        endif()
+    endforeach()
+    if(NOT test_LEVEL)
+        set(test_LEVEL quick)
+    endif()
+    foreach(file IN LISTS test_UNOPTIMISED test_UNOPTIMISED_BUT)
+        if(NOT file IN_LIST sources)
+            message(FATAL_ERROR "tactnet_test(${name}): there is no ${path}/${file}.")
+        endif()
+    endforeach()
+    # The program of the files at the higher level, and a library of those at the lower.
+    set(level ${test_LEVEL})
+    set(unoptimised ${test_UNOPTIMISED})
+    if(test_UNOPTIMISED_BUT)
+        set(unoptimised ${sources})
+        list(REMOVE_ITEM unoptimised ${test_UNOPTIMISED_BUT})
+    endif()
+    if(TACTNET_TEST_FULLY_OPTIMISED)
+        set(unoptimised "")
+        string(REPLACE unoptimised quick level "${level}")
+    endif()
+    list(REMOVE_ITEM sources ${unoptimised} "")
+    list(TRANSFORM sources REPLACE "^([^/].*)" "${folder}/\\1")
+    list(TRANSFORM unoptimised REPLACE "^([^/].*)" "${folder}/\\1")
+
+    set(program test_${name})
+    add_executable(${program} ${sources})
+    tactnet_test_part(${program} ${level} "${folder}" ${test_LIBRARIES})
+    set_target_properties(${program} PROPERTIES RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/${path}")
+    if(unoptimised)
+        add_library(${program}_unoptimised OBJECT ${unoptimised})
+        tactnet_test_part(${program}_unoptimised unoptimised "${folder}" ${test_LIBRARIES})
+        # Not as sources, which would come first in the linker's order.
+        target_link_libraries(${program} PRIVATE $<TARGET_OBJECTS:${program}_unoptimised>)
+    endif()
+
     if(NOT test_TIMEOUT)
         set(test_TIMEOUT 600)
         if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
@@ -84,49 +173,33 @@ function(tactnet_test room)
     if(NOT test_COST)
         set(test_COST 20)
     endif()
-    set(level quick)
-    if(test_FULLY_OPTIMISED)
-        set(level optimised)
-    elseif(test_UNOPTIMISED AND NOT TACTNET_TEST_FULLY_OPTIMISED)
-        set(level unoptimised)
-    endif()
-    add_executable(test_${room} ${test_SOURCES})
-    tactnet_test_part(test_${room} ${level} ${test_LIBRARIES})
-    if(test_UNOPTIMISED_SOURCES AND TACTNET_TEST_FULLY_OPTIMISED)
-        target_sources(test_${room} PRIVATE ${test_UNOPTIMISED_SOURCES})
-    elseif(test_UNOPTIMISED_SOURCES)
-        add_library(test_${room}_unoptimised OBJECT ${test_UNOPTIMISED_SOURCES})
-        tactnet_test_part(test_${room}_unoptimised unoptimised ${test_LIBRARIES})
-        # Not as sources, which would come first in the linker's order.
-        target_link_libraries(test_${room} PRIVATE $<TARGET_OBJECTS:test_${room}_unoptimised>)
-    endif()
-    set(entries ${room})
-    set(others "")
+    set(entries ${name})
     set(not_data "")
-    if(test_DATA)
-        add_test(NAME ${room}.data COMMAND test_${room} --test-suite=data)
-        set_tests_properties(${room}.data PROPERTIES SKIP_RETURN_CODE 77)
-        list(APPEND entries ${room}.data)
+    if(has_data)
+        add_test(NAME ${name}.data COMMAND ${program} --test-suite=data)
+        set_tests_properties(${name}.data PROPERTIES SKIP_RETURN_CODE 77)
+        list(APPEND entries ${name}.data)
         set(not_data --test-suite-exclude=data)
     endif()
     # Not where the checkout lies, which may have such a word in its path.
-    cmake_path(RELATIVE_PATH CMAKE_CURRENT_SOURCE_DIR BASE_DIRECTORY "${PROJECT_SOURCE_DIR}" OUTPUT_VARIABLE folder)
+    set(others "")
     foreach(word IN LISTS test_PARTS)
-        add_test(NAME ${room}.${word} COMMAND test_${room} "--source-file=*/${folder}/*${word}*" ${not_data})
-        list(APPEND entries ${room}.${word})
-        list(APPEND others "*/${folder}/*${word}*")
+        add_test(NAME ${name}.${word} COMMAND ${program} "--source-file=*/${path}/*${word}*" ${not_data})
+        list(APPEND entries ${name}.${word})
+        list(APPEND others "*/${path}/*${word}*")
     endforeach()
-    list(JOIN others "," others)
     set(all_but "")
     if(others)
+        list(JOIN others "," others)
         set(all_but "--source-file-exclude=${others}")
     endif()
-    add_test(NAME ${room} COMMAND test_${room} ${all_but} ${not_data})
+    add_test(NAME ${name} COMMAND ${program} ${all_but} ${not_data})
     set_tests_properties(
-        ${entries} PROPERTIES TIMEOUT ${test_TIMEOUT} COST ${test_COST} FAIL_REGULAR_EXPRESSION "test cases: +0 "
+        ${entries} PROPERTIES LABELS "${room}" TIMEOUT ${test_TIMEOUT} COST ${test_COST} FAIL_REGULAR_EXPRESSION "test cases: +0 "
     )
+    add_dependencies(room_${room} ${program})
     if(NOT test_FULL)
-        tactnet_library_tests(TESTS ${entries} TARGETS test_${room})
+        tactnet_library_tests(TESTS ${entries} TARGETS ${program})
     endif()
 endfunction()
 

@@ -154,6 +154,11 @@ def check_names(root):
         if not test.startswith(("examples/", "hard_cases/")) and not mirrors(root / "include/tactnet", test):
             yield (f"{test}: tests no header of that name; expected <header>_test.cpp or <header>_<topic>_test.cpp, or a folder of headers in "
                    "place of the header")
+        # A room finds its tests by their names, but for those in folders with lists of their own.
+        for parent in list((folder / test).relative_to(folder).parents)[:-2]:
+            listed = folder / parent / "CMakeLists.txt"
+            if listed.exists() and pathlib.Path(test).name not in listed.read_text():
+                yield f"{test}: tests/{parent}/CMakeLists.txt does not list it"
         text = (folder / test).read_text()
         if "find_data(" in text and 'test_suite("data")' not in text:
             yield f'{test}: reads data that do not belong to the project; expected * doctest::test_suite("data")'
@@ -200,6 +205,7 @@ def self_check(root):
             path.touch()
         yield from expect("names", check_names(pathlib.Path(folder)), [
             "svm/kernels_test.cpp: tests no header",
+            "svm/solvers/one_test.cpp: .*/solvers/CMakeLists.txt does not list it",
             "tensor/shape_test.cpp: expected a test case .*found 'sizes are multiplied'",
             "tensor/shape_test.cpp: says its subject twice: 'shape: shape: sizes are positive'",
             "tensor/unknown_test.cpp: tests no header",

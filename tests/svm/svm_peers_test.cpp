@@ -1,5 +1,6 @@
 // The same optimum and the same answers as LIBSVM and LIBLINEAR.
 
+#include "decode_image.hpp"
 #include "samples.hpp"
 
 #include <tactnet/svm/kernel_machine.hpp>
@@ -11,15 +12,10 @@
 #include <cmath>
 #include <cstddef>
 #include <peers/support_vector_machines.hpp>
-#include <support/machine_comparison.hpp>
-#include <vector>
-
-#ifdef TACTNET_TEST_IMAGES
-#include "decode_image.hpp"
-
 #include <support/files/data_folder.hpp>
+#include <support/machine_comparison.hpp>
 #include <support/pixels.hpp>
-#endif
+#include <vector>
 
 using namespace tactnet;
 using benchmark::agreement;
@@ -76,7 +72,6 @@ TEST_CASE("linear_machine: synthetic sets, LIBLINEAR's optimum and answers") {
             compare_linear(s.rows(), s.labels, fresh.rows(), loss, cost);
 }
 
-#ifdef TACTNET_TEST_IMAGES
 TEST_CASE("kernel_machine: real pixels, LIBSVM's optimum and answers" * doctest::test_suite("data")) {
     const auto folder = support::find_data("tactile_images");
     if (!folder)
@@ -94,4 +89,3 @@ TEST_CASE("linear_machine: real pixels, LIBLINEAR's optimum and answers" * docte
     for (const linear_loss loss : {linear_loss::hinge, linear_loss::squared_hinge})
         compare_linear(split.training.view(), split.training.labels, split.test.view(), loss, 0.1);
 }
-#endif

@@ -39,7 +39,8 @@ def check_paths():
         named += (path for path in (root / folder).rglob("*") if path.is_file())
     for folder in ("docs", "tests", "examples", "benchmarks"):
         for pattern in ("*.py", "*.sh", "make"):
-            named += (path for path in (root / folder).rglob(pattern) if path != pathlib.Path(__file__).resolve())
+            named += (root / folder).rglob(pattern)
+    named = [path for path in named if path.resolve() != pathlib.Path(__file__).resolve()]
     problems = []
     for path in named:
         problems += (f"{path.relative_to(root)}: {missing}" for missing in missing_in(path.read_text(), folders, presets))

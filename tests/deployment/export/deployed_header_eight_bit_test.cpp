@@ -8,7 +8,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <deployment/export/eight_bit/networks.hpp>
+#include <deployment/export/eight_bit_networks.hpp>
 #include <memory>
 #include <numeric>
 #include <span>

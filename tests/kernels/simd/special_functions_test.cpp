@@ -208,7 +208,8 @@ TEST_CASE("special_functions: the same bits in vectors of every width, the limit
         functions);
 }
 
-TEST_CASE("at_least, at_most, maximum_or_second: NaN and zeros of opposite signs in vectors of every width") {
+TEST_CASE("special_functions: at_least, at_most, maximum_or_second: NaN and zeros of opposite signs in "
+          "vectors of every width") {
     const auto check = [](auto width) {
         using wide = sized_vector<float, width>;
         const auto every = [](const wide& v, const auto& holds) {

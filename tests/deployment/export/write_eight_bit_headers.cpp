@@ -1,6 +1,6 @@
 // Writes the headers that the test of this folder is built with.
 
-#include "networks.hpp"
+#include "eight_bit_networks.hpp"
 
 #include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/io/write_file.hpp>

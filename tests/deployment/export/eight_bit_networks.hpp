@@ -1,6 +1,6 @@
 #pragma once
 
-#include "../networks.hpp"
+#include "networks.hpp"
 
 #include <tactnet/quantisation.hpp>
 

@@ -1,0 +1,122 @@
+"""Examples from outside: what they print, write and are made of.
+
+python3 check.py experiment PROGRAM FOLDER
+python3 check.py rooted PROGRAM FOLDER SOURCE COMPILER [flag...]
+python3 check.py names NM LINKED=COMPILED...
+python3 check.py optimised NM LIBRARY FAST_OBJECT... -- OTHER_OBJECT...
+"""
+
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+
+def emptied(folder):
+    shutil.rmtree(folder, ignore_errors=True)
+    pathlib.Path(folder).mkdir(parents=True)
+    return pathlib.Path(folder)
+
+
+def run(folder, *command):
+    done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, text=True, check=False)
+    if done.returncode:
+        sys.exit(f"Expected status 0 of {command}, found {done.returncode}")
+    return done.stdout
+
+
+def expect(text, *patterns):
+    for pattern in patterns:
+        if not re.search(pattern, text):
+            sys.exit(f"Expected '{pattern}', found: {text}")
+
+
+def experiment(program, folder):
+    """The example of your own networks and sizes, as its header says."""
+    folder = emptied(folder)
+    run(folder, program, "simulate", "--out", "touches", "--per-class", "10")
+    table = run(folder, program, "study", "--data", "touches", "--results", "study", "--splits", "1", "--recipes", "default")
+    rows = ("small_pooling +7 × 13", "small_pooling +11 × 20", "small_striding +9 × 16", "svm-rbf +9 × 16")
+    expect(table, *(row + ".* ± " for row in rows))
+    rows = ("small_pooling .* 7 × 13", "small_pooling .* 11 × 20", "small_striding .* 9 × 16")
+    expect((folder / "study/study.md").read_text(), *(row + " .[ 0-9]+.[ 0-9]+.\n" for row in rows))  # with their bytes
+    expect(
+        run(folder, program, "recommend", "--results", "study", "--rows", "9", "--columns", "16"),
+        r"experiment::small_(pooling|striding)<tactnet::shape{(9, 16|7, 13)}, 22>\n$",
+    )
+
+
+def rooted(program, folder, source, compiler, *flags):
+    """A network of your own with roots and a softmax, through the program in 8 bits: trained, reported in both formats, and exported as a
+    header that gives the same bits."""
+    folder, data = emptied(folder), ["--data", "touches"]
+    run(folder, program, "simulate", "--out", "touches", "--per-class", "10")
+    sizes = "--method roots --rows 7 --columns 13 --resize --epochs 12 --output float.safetensors".split()
+    run(folder, program, "train", *data, *sizes)
+    for to in ("bytes.safetensors", "roots.hpp"):
+        written = f"--weights float.safetensors --bits 8 --resize --namespace rooted --output {to}".split()
+        run(folder, program, "export", *data, *written)
+    image = min(folder.glob("touches/*/*"))
+    # Two files, one class and nearly one probability: which it would not be of a softmax that is taken twice.
+    classes, shares = set(), []
+    for form in ("float", "bytes"):
+        answer = run(folder, program, "classify", "--weights", f"{form}.safetensors", "--resize", image)
+        found = re.search(r"[^,]+,([0-9]+,[^,]*),(0\.[0-9]{3})[0-9]*\n", answer)
+        if not found:
+            sys.exit(f"Expected a class and a probability, found: {answer}")
+        classes.add(found[1])
+        shares.append(float(found[2]))
+        run(folder, program, "evaluate", "--weights", f"{form}.safetensors", *data, "--resize")
+    print(f"{classes}: {shares[0]} in single precision, {shares[1]} in 8 bits")
+    if len(classes) != 1 or abs(shares[0] - shares[1]) > 0.015:
+        sys.exit("Expected one class and nearly one probability of both forms")
+    if shares[0] < 0.15:
+        sys.exit("Expected a probability that a softmax taken twice could not give")
+    run(folder, compiler, "-std=c++20", "-O1", "-fno-exceptions", "-fno-rtti", f"-I{folder}", *flags, source, "-o", "firmware")
+    run(folder, folder / "firmware")
+
+
+def names(nm, *units):
+    """Units for different instruction sets in one program: as compiled, they share no name of the library; as linked, each shows one name
+    and no more, so that neither do they share what templates of the standard library became."""
+
+    def names_of(file):
+        return [line.split()[0] for line in run(None, nm, "--defined-only", "--extern-only", "--format=posix", file).splitlines()]
+
+    seen = set()
+    for unit in filter(None, units):
+        linked, compiled = unit.split("=")
+        shown, own = names_of(linked), {name for name in names_of(compiled) if "tactnet" in name}
+        if len(shown) != 1 or not re.fullmatch("recogniser_[a-z0-9]+", shown[0]):
+            sys.exit(f"{linked}: expected one name, recogniser_..., found {shown}")
+        if not own:
+            sys.exit(f"{compiled}: expected names of the library, found none: this would prove nothing")
+        if seen & own:
+            sys.exit(f"{compiled}: another unit has {seen & own} too")
+        seen |= own
+    if len(list(filter(None, units))) < 2:
+        sys.exit(f"expected several units, found {units}")
+
+
+def optimised(nm, library, *objects):
+    """No object of the program that is compiled quickly defines a kernel."""
+    split = objects.index("--")
+    fast, others = {pathlib.Path(one).name for one in objects[:split]}, objects[split + 1:]
+    one, with_kernels = "", set()
+    for line in run(None, nm, "--defined-only", library, *others).splitlines():
+        if line.endswith(":"):
+            one = line[:-1]
+        elif re.search(" [TtWw] .*7kernels", line):
+            with_kernels.add(one)
+    if not with_kernels & fast:
+        sys.exit(f"Expected kernels in one of {fast}, found none: this test looks in the wrong place.")
+    if with_kernels - fast:
+        sys.exit(f"Expected kernels in optimised objects only, found some in {with_kernels - fast}: move its sources in "
+                 "examples/tactnet/CMakeLists.txt to tactnet_program_methods.")
+
+
+CHECKS = {check.__name__: check for check in (experiment, rooted, names, optimised)}
+
+if __name__ == "__main__":
+    CHECKS[sys.argv[1]](*sys.argv[2:])
