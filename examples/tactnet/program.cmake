@@ -99,7 +99,7 @@ function(tactnet_add_program target)
         endif()
         string(APPEND calls "\n    methods.push_back(make_network_method(\"${network}\", make_${name}(), \"${template}\", ${training}, ${bytes}));")
     endforeach()
-    # After the networks: support vector machines and heads for images of each size.
+    # After the networks: support vector machines for images of each size.
     foreach(size IN LISTS all_sizes)
         string(REPLACE "x" ", " extents "${size}")
         tactnet_add_unit(
@@ -112,7 +112,7 @@ function(tactnet_add_program target)
     foreach(trunk IN LISTS trunks)
         tactnet_add_unit(
             "trunk_${trunk}" "#include \"methods/trunks/compile.hpp\"\n" "std::shared_ptr<const compiled_trunk>"
-            "compile_trunk<trunks::${trunk}, ${classes}>()"
+            "compile_trunk<trunks::${trunk}>()"
         )
         string(APPEND trunk_calls "make_trunk_${trunk}(), ")
     endforeach()

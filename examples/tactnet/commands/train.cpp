@@ -92,7 +92,7 @@ public:
         const auto& [train, validate, test] = training->split();
         tell("{} {}, {} classes,{} {} images to train, {} to validate, {} to test\n", o.method, what.size(),
              classes,
-             epochs != nullptr ? fmt::format(" {} parameters:", grouped(what.learnable(classes))) : "",
+             epochs != nullptr ? fmt::format(" {} parameters:", grouped(what.costs(classes).parameters)) : "",
              train.size(), validate.size(), test.size());
         const stopwatch watch;
         if (!(epochs != nullptr ? run_epochs() : run_at_once()))

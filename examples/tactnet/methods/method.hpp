@@ -185,8 +185,6 @@ public:
     /// What it is made of, where its name does not say it: features, settings of a machine, a user's layers.
     virtual tactnet::file_metadata parts() const { return {}; }
     virtual method_costs costs(std::size_t classes) const = 0;
-    /// The number of parameters that a training changes.
-    virtual std::size_t learnable(std::size_t classes) const { return costs(classes).parameters; }
     /// Whether its training varies images of that size as they were taken.
     virtual bool augment_full_resolution(const tactnet::shape&) const { return false; }
     /// Whether its form in 8 bits was compiled in.

@@ -53,10 +53,6 @@ void check_settings(const method& what, const training_settings& s) {
     if (s.augmentation == "none" && (s.rotation || s.translation))
         refuse("--rotation, --translation: expected an augmentation, which they change, found --augmentation "
                "none");
-    if (what.is_network() && what.keeps_features() && s.batch == 1U)
-        refuse("--batch: expected 0 or at least 2, since batch norms learn nothing from one row of features, "
-               "for {}; found 1",
-               what.name);
     if (what.pretrained() && s.input && *s.input != "scale")
         refuse("--input: expected scale, as weights learnt from photographs want it, for {}; found {}",
                what.name, *s.input);

@@ -76,12 +76,4 @@ using vgg16_nn = with_photograph_input<Touch, vgg16<shape{224, 224, 3}, Classes>
             .transfer = published_transfer{.epochs = 10, .batch = 32, .new_layer_factor = 20}};
 }
 
-/// A head for a frozen trunk: layers that are trained on `Features` numbers per image, which
-/// feature_extractor computes once. The first batch norm normalises features of any usual scale; a feature
-/// whose variance is below epsilon would fade. `Hidden` is the width of the hidden layer.
-template <std::size_t Features, std::size_t Classes, std::size_t Hidden = 256>
-using feature_head = network<shape{1, 1, Features}, batch_norm, dropout<20>, //
-                             dense<Hidden>, batch_norm, relu, dropout<50>,   //
-                             dense<Classes>>;
-
 }} // namespace tactnet

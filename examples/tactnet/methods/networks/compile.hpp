@@ -36,33 +36,27 @@ constexpr std::string_view type_as_spelled() {
     return __PRETTY_FUNCTION__;
 }
 
-/// What is trained: a network, or a head, which is not deployed by itself. `OneClass` is the same network for
-/// a single class, of which only the costs are needed.
-template <class Network, class OneClass>
-compiled_network compile_trainable() {
-    return {.input = Network::input_shape,
-            .outputs = Network::outputs,
-            .costs = costs_of<Network>(),
-            .costs_of_one = costs_of<OneClass>(),
-            .takes_counts = Network::takes_counts,
-            .type = type_as_spelled<Network>(),
-            .make = []() -> std::unique_ptr<tactnet::trainable> {
-                return std::make_unique<tactnet::trainable_network<Network>>();
-            },
-            .describe = [] { return Network::describe(); },
-            .deploy = nullptr,
-            .variation_of = nullptr};
-}
-
+/// `OneClass` is the same network for a single class, of which only the costs are needed.
 template <class Network, class OneClass>
 compiled_network compile_network() {
     static constexpr tactnet::shape input = Network::input_shape;
-    compiled_network code = compile_trainable<Network, OneClass>();
-    code.deploy = [](const any_model& model) -> std::unique_ptr<any_deployed> {
-        const auto& own = static_cast<const tactnet::trainable_network<Network>&>(*model.network);
-        return std::make_unique<deployed_network<Network, tactnet::single_precision>>(tactnet::deploy(
-            own.network(), std::span(model.mean).template first<input.size()>(), model.scale));
-    };
+    compiled_network code{
+        .input = input,
+        .outputs = Network::outputs,
+        .costs = costs_of<Network>(),
+        .costs_of_one = costs_of<OneClass>(),
+        .takes_counts = Network::takes_counts,
+        .type = type_as_spelled<Network>(),
+        .make = []() -> std::unique_ptr<tactnet::trainable> {
+            return std::make_unique<tactnet::trainable_network<Network>>();
+        },
+        .describe = [] { return Network::describe(); },
+        .deploy = [](const any_model& model) -> std::unique_ptr<any_deployed> {
+            const auto& own = static_cast<const tactnet::trainable_network<Network>&>(*model.network);
+            return std::make_unique<deployed_network<Network, tactnet::single_precision>>(tactnet::deploy(
+                own.network(), std::span(model.mean).template first<input.size()>(), model.scale));
+        },
+        .variation_of = nullptr};
     code.variation_of = [](const tactnet::shape& taken) -> tactnet::images_as_taken::variation {
         // Images of the paper's array are varied as they were taken, and reduced.
         constexpr tactnet::shape array = tactnet::tekscan_6077::extents;

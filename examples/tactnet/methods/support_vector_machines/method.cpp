@@ -330,6 +330,4 @@ void add_methods_on_features(std::vector<std::unique_ptr<method>>& methods, tact
             if (trunk->network.name == recipe.trunk)
                 methods.push_back(std::make_unique<svm_method>(recipe, image, surf, trunk));
     }
-    for (auto& head : make_trunk_head_methods(image, trunks))
-        methods.push_back(std::move(head));
 }

@@ -2,14 +2,13 @@
 
 // Compiles a trunk for the program. Included by the generated units only, each of which compiles one.
 
-#include "methods/networks/compile.hpp"
 #include "methods/trunks/compiled.hpp"
 
+#include <tactnet/deployment.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/pretrained.hpp>
 #include <tactnet/networks.hpp>
 #include <tactnet/training/initialise.hpp>
-#include <tactnet/transfer/networks.hpp>
 
 /// The trunks there are: a network each, up to the layer that the paper's authors took features from. A new
 /// one is a struct here and its name in TACTNET_PROGRAM_TRUNKS.
@@ -22,32 +21,28 @@ constexpr photograph_network known_as(std::string_view name) {
 struct squeezenet {
     static constexpr photograph_network known = known_as("squeezenet");
     using network = tactnet::squeezenet1_1_trunk<known.photograph>;
-    static constexpr std::string_view features = "fire9-concat", head_method = "squeezenet-pooled-nn";
-    static constexpr bool pooled = true;
+    static constexpr std::string_view features = "fire9-concat";
     static std::vector<std::string> behind() { return {"classifier."}; }
 };
 
 struct alexnet {
     static constexpr photograph_network known = known_as("alexnet");
     using network = tactnet::alexnet_fc7<known.photograph>;
-    static constexpr std::string_view features = "fc7", head_method = "alexnet-fc7-nn";
-    static constexpr bool pooled = false;
+    static constexpr std::string_view features = "fc7";
     static std::vector<std::string> behind() { return {"classifier.6."}; }
 };
 
 struct resnet50 {
     static constexpr photograph_network known = known_as("resnet50");
     using network = tactnet::resnet50<known.photograph>;
-    static constexpr std::string_view features = "fc1000", head_method = "resnet50-fc1000-nn";
-    static constexpr bool pooled = false;
+    static constexpr std::string_view features = "fc1000";
     static std::vector<std::string> behind() { return {}; }
 };
 
 struct vgg16 {
     static constexpr photograph_network known = known_as("vgg16");
     using network = tactnet::vgg16_fc6<known.photograph>;
-    static constexpr std::string_view features = "fc6", head_method = "vgg16-fc6-nn";
-    static constexpr bool pooled = false;
+    static constexpr std::string_view features = "fc6";
     static std::vector<std::string> behind() { return {"classifier.3.", "classifier.6."}; }
 };
 
@@ -61,10 +56,9 @@ loaded_trunk deployed_trunk(const Network& network) {
     };
 }
 
-template <class Trunk, std::size_t Classes>
+template <class Trunk>
 std::shared_ptr<const compiled_trunk> compile_trunk() {
     using network = typename Trunk::network;
-    constexpr std::size_t features = feature_count(network::output_shape, Trunk::pooled);
     return std::make_shared<const compiled_trunk>(compiled_trunk{
         .network = Trunk::known,
         .features = Trunk::features,
@@ -72,10 +66,6 @@ std::shared_ptr<const compiled_trunk> compile_trunk() {
         .photograph = network::input_shape,
         .map = network::output_shape,
         .costs = costs_of<network>(),
-        .head_method = Trunk::head_method,
-        .head_features_pooled = Trunk::pooled,
-        .head =
-            compile_trainable<tactnet::feature_head<features, Classes>, tactnet::feature_head<features, 1>>(),
         .arrays = [] { return tactnet::stored_arrays_of<network>(); },
         .load =
             [](const compiled_trunk& trunk, tactnet::safetensors_source& file, std::string_view prefix) {

@@ -4,7 +4,7 @@
 // compiled once, for the size of its photographs, which images of any size become. compile.hpp has the
 // templates behind it.
 
-#include "methods/networks/compiled.hpp"
+#include "methods/method.hpp"
 
 #include <tactnet/io/stored_arrays.hpp>
 
@@ -30,10 +30,6 @@ struct compiled_trunk {
     std::vector<std::string> behind;
     tactnet::shape photograph, map;
     method_costs costs; ///< of one photograph
-
-    std::string_view head_method; ///< the method that trains a head on it: "squeezenet-pooled-nn"
-    bool head_features_pooled;    ///< see feature_count
-    compiled_network head;        ///< of features; it is never deployed
 
     /// By torchvision's names.
     tactnet::stored_arrays (*arrays)();

@@ -71,8 +71,6 @@ public:
     /// A row for each of the chosen images. Throws std::runtime_error for features that are not finite.
     std::vector<float> rows(std::span<const std::uint8_t> images, std::span<const std::size_t> chosen,
                             tactnet::thread_pool& threads) const override;
-    /// The rows of all images that it was prepared for.
-    const std::vector<float>& all_rows() const { return kept_; }
 
 private:
     const loaded_trunk& network() const;
@@ -88,8 +86,3 @@ private:
     std::span<const std::uint8_t> kept_images_;
     std::vector<float> kept_; ///< the rows of these images
 };
-
-/// Heads on the trunks, for images of one size.
-std::vector<std::unique_ptr<method>>
-make_trunk_head_methods(tactnet::extent2d image,
-                        const std::vector<std::shared_ptr<const compiled_trunk>>& trunks);

@@ -37,7 +37,7 @@ void check_from_end_to_end(const std::string& method, element_type type) {
             CHECK(array.type == type);
         }
         CHECK_FALSE(file.contains("trunk.classifier.6.bias"));
-        CHECK(file.contains(method.ends_with("-nn") ? "selftest.logits" : "selftest.values"));
+        CHECK(file.contains("selftest.values"));
     }
     fs::remove(shop / "pretrained");
     CHECK(lines_of(shop.succeeds("classify --weights net IMAGE IMAGE").out).size() == 2);
@@ -59,47 +59,11 @@ void double_all(std::vector<float>& values) {
 
 TEST_SUITE("program") {
     TEST_CASE("trunk: every method, from pretrained weights to one file") {
-        for (const char* method :
-             {"squeezenet-svm", "squeezenet-pooled-svm", "squeezenet-pooled-rbf", "squeezenet-pooled-nn"})
+        for (const char* method : {"squeezenet-svm", "squeezenet-pooled-svm", "squeezenet-pooled-rbf"})
             check_from_end_to_end<squeezenet>(method, element_type::float32);
-        for (const char* method : {"alexnet-svm", "alexnet-fc7-nn"})
-            check_from_end_to_end<tactnet::alexnet_fc7<shape{224, 224, 3}>>(method, element_type::float16);
-        for (const char* method : {"resnet50-svm", "resnet50-fc1000-nn"})
-            check_from_end_to_end<tactnet::resnet50<shape{224, 224, 3}>>(method, element_type::float16);
-        for (const char* method : {"vgg16-svm", "vgg16-fc6-nn"})
-            check_from_end_to_end<tactnet::vgg16_fc6<shape{224, 224, 3}>>(method, element_type::float16);
-    }
-
-    TEST_CASE("trunk: a head that was stopped and run again, the same bits on any number of threads") {
-        const workshop shop;
-        if (!knows(shop, "squeezenet-pooled-nn"))
-            return;
-        write_pretrained<squeezenet>(shop / "pretrained");
-        const auto arguments = [&](const char* output, const words& more) {
-            return training(shop, "squeezenet-pooled-nn", output,
-                            words("--epochs 400 --checkpoint-every 1e-9") + more);
-        };
-        shop.succeeds(arguments("whole", "--threads 3"));
-        // While features are found, 16 images at a time, and between epochs.
-        const pid_t child = shop.start(arguments("net", {}));
-        shop.wait_for(child, "features of 16 of");
-        const outcome stopped = shop.stop(child, SIGINT);
-        CHECK(stopped.status == 130);
-        says(stopped.error, "stopped before the training");
-        CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
-        const pid_t other = shop.start(arguments("net", {}));
-        shop.wait_for_file("net.checkpoint");
-        shop.stop(other, SIGKILL);
-        REQUIRE_FALSE(fs::exists(shop / "net"));
-        fs::rename(shop.image(), shop / "away.png");
-        const outcome refused = shop.run(arguments("net", {"--resume"}));
-        fs::rename(shop / "away.png", shop.image());
-        CHECK(refused.status == 2);
-        says(refused.error, "net.checkpoint: setting 'data' of the stopped training: expected '");
-        shop.succeeds(arguments("net", {"--resume"}));
-        CHECK(shop.text("net") == shop.text("whole"));
-        CHECK_FALSE(fs::exists(shop / "net.checkpoint"));
-        CHECK(fs::exists(shop / "net.learning.csv"));
+        check_from_end_to_end<tactnet::alexnet_fc7<shape{224, 224, 3}>>("alexnet-svm", element_type::float16);
+        check_from_end_to_end<tactnet::resnet50<shape{224, 224, 3}>>("resnet50-svm", element_type::float16);
+        check_from_end_to_end<tactnet::vgg16_fc6<shape{224, 224, 3}>>("vgg16-svm", element_type::float16);
     }
 
     TEST_CASE("trunk: features are found once for all splits and methods, and anew where damaged") {
@@ -127,14 +91,14 @@ TEST_SUITE("program") {
             return lines;
         };
         // Those that need no such file take part.
-        const char* const all = "squeezenet-pooled-svm,squeezenet-pooled-nn,svm-linear";
+        const char* const all = "squeezenet-pooled-svm,squeezenet-pooled-rbf,svm-linear";
         CHECK(finds(evaluate(all)));
         const std::string file = only_file_in(shop / "results/features"), whole = text_of(file);
         const auto first = results();
         CHECK(first.size() == 12);
-        // Nothing is left to do; then another machine on the same features; then all again, one by one.
+        // Nothing is left to do; then one machine again, then all, one by one.
         CHECK_FALSE(finds(evaluate(all)));
-        CHECK_FALSE(finds(evaluate("squeezenet-pooled-rbf")));
+        CHECK_FALSE(finds(evaluate("squeezenet-pooled-svm", "--jobs 1 --afresh")));
         CHECK_FALSE(finds(evaluate(all, "--jobs 1 --afresh")));
         CHECK(results() == first);
         CHECK(text_of(file) == whole);
@@ -188,20 +152,13 @@ TEST_SUITE("program") {
              "found tactnet4, which learns all by itself"},
             {"evaluate --data DATA --weights net --pretrained p",
              "--pretrained: expected a training, found --weights, whose file holds all that it needs"},
-            {trains("squeezenet-pooled-nn", "--augmentation sixfold"),
+            {trains("squeezenet-pooled-svm", "--augmentation sixfold"),
              "--augmentation: expected none, since features of images are found once, for "
-             "squeezenet-pooled-nn; found sixfold"},
-            {trains("squeezenet-pooled-nn", "--rotation 5"),
-             "--rotation, --translation: expected a method that varies images, found squeezenet-pooled-nn, "
+             "squeezenet-pooled-svm; found sixfold"},
+            {trains("squeezenet-pooled-svm", "--rotation 5"),
+             "--rotation, --translation: expected a method that varies images, found squeezenet-pooled-svm, "
              "which "
              "finds their features once"},
-            {trains("squeezenet-pooled-nn", "--batch 1"),
-             "--batch: expected 0 or at least 2, since batch norms learn nothing from one row of features, "
-             "for squeezenet-pooled-nn; found 1"},
-            {trains("squeezenet-pooled-nn", "--recipe published"),
-             "nothing was published for squeezenet-pooled-nn"},
-            {trains("squeezenet-pooled-nn", "--start other"),
-             "--start: expected a network that begins with random weights, found squeezenet-pooled-nn"},
         });
         tactnet::write_file(shop / "pretrained", std::string_view("no such file"));
         shop.refuses(trains("squeezenet-svm"),
@@ -227,11 +184,9 @@ TEST_SUITE("program") {
         write_pretrained<squeezenet>(shop / "pretrained");
         shop.keep_images(3);
         shop.succeeds(training(shop, "squeezenet-pooled-svm", "svm", "--test 0.3"));
-        shop.succeeds(training(shop, "squeezenet-pooled-nn", "nn", "--epochs 1 --test 0.3"));
         rewrite(shop / "svm", shop / "nan", "trunk.features.0.bias",
                 [](std::vector<float>& v) { v[3] = std::numeric_limits<float>::infinity(); });
         rewrite(shop / "svm", shop / "moved", "trunk.features.12.squeeze.weight", double_all);
-        rewrite(shop / "nn", shop / "moved_head", "trunk.features.12.squeeze.weight", double_all);
         std::string bytes = shop.text("svm");
         tactnet::write_file(shop / "cut", std::string_view(bytes).substr(0, bytes.size() - 100));
         bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
@@ -243,24 +198,20 @@ TEST_SUITE("program") {
             {"classify IMAGE --weights nan",
              "nan: tensor 'trunk.features.0.bias', element 3: expected a finite number, found inf"},
             {"classify IMAGE --weights moved", "moved: self-test, image 0, machine "},
-            {"classify IMAGE --weights moved_head", "moved_head: self-test, image 0, class "},
             {"classify IMAGE --weights cut", "cut: file cut short"},
             {"classify IMAGE --weights flipped", "flipped: checksum of the whole file: expected"},
             {"classify IMAGE --weights without",
              "without: expected arrays of SqueezeNet 1.1, whose names begin with 'trunk.', found none"},
-            {"export --weights nn --output net.hpp",
-             "nn: expected a network, found the head of a frozen trunk squeezenet-pooled-nn, which cannot "
-             "be written as a header"},
-            {"classify --weights nn --method squeezenet-pooled-svm IMAGE",
-             "nn: expected weights of squeezenet-pooled-svm as --method says, found those of "
-             "squeezenet-pooled-nn"},
+            {"classify --weights svm --method squeezenet-pooled-rbf IMAGE",
+             "svm: expected weights of squeezenet-pooled-rbf as --method says, found those of "
+             "squeezenet-pooled-svm"},
         });
         const std::pair<const char*, const char*> foreign[] = {{"pooling", "none"},
                                                                {"reflections", "none"},
                                                                {"features", "fc7 of AlexNet"},
                                                                {"photograph", "224x224"}};
         for (const auto& [key, value] : foreign) {
-            rewrite_metadata(shop / "nn", shop / "other", key, value);
+            rewrite_metadata(shop / "svm", shop / "other", key, value);
             const std::string error =
                 shop.refuses("classify --weights other IMAGE", "found '" + std::string(value) + "'");
             says(error, "other: metadata '" + std::string(key) + "': expected '");
