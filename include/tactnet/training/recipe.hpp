@@ -98,7 +98,7 @@ struct recipe {
         return r;
     }
 
-    /// For the head of a frozen trunk, which is trained on precomputed features: no augmentation, and few
+    /// For a network that is trained on precomputed features: no augmentation, and few
     /// epochs, each of which takes milliseconds.
     [[nodiscard]] static recipe on_features() {
         recipe r;
