@@ -85,8 +85,7 @@ void report(const evaluate_options& o, const candidate_list& candidates, const s
         }
     write_rows(rows, folder, "table");
     draw_study_pictures(rows, folder);
-    for (const study_table& t :
-         {methods_table(rows), details_table(rows), probabilities_table(rows), decisions_table(rows)})
+    for (const study_table& t : {methods_table(rows), details_table(rows), probabilities_table(rows)})
         if (t.cells.size() > 1)
             print(table(without_empty_columns(t.cells)) + '\n');
     print("accuracy: test images, mean ± standard deviation (splits); µs: this machine, one core\n");
@@ -164,16 +163,9 @@ int evaluate_weights(const evaluate_options& o) {
     study_row row = make_row(what.name, what.rows, what.columns, "", weights.trained->bits());
     put_calibration(row, calibration_of(result, chosen, data, weights.scaling));
     plot_reliability(stem("reliability_"), o.weights.weights, *row.probabilities);
-    if (what.begins_at_random()) {
-        const tactnet::evaluation validation =
-            weights.trained->evaluate(data.view(), split.validation, threads);
-        if (const auto scaling = fit_temperature(validation, split.validation, data))
-            put_decisions(row, sets_of_classes(*scaling, validation, result, data, split));
-        put_decisions(row, faults_of_sensor(*weights.trained, data, chosen, 0, threads));
-    }
-    for (const study_table& t : {probabilities_table({row}), decisions_table({row})})
-        if (t.cells.size() > 1)
-            print('\n' + table(without_empty_columns(t.cells)));
+    const study_table t = probabilities_table({row});
+    if (t.cells.size() > 1)
+        print('\n' + table(without_empty_columns(t.cells)));
     return success;
 }
 

@@ -36,8 +36,6 @@ std::string line_of(const training_result& r) {
         line["calibration"] = {{"temperature", r.calibration->scaling.temperature},
                                {"before", bins_of(r.calibration->before)},
                                {"after", bins_of(r.calibration->after)}};
-    if (!r.decisions.empty())
-        line["decisions"] = r.decisions;
     return line.dump();
 }
 
@@ -72,7 +70,6 @@ training_result result_of(const std::string& text) {
         r.calibration =
             calibration{{of.at("temperature")}, diagram_in(of.at("before")), diagram_in(of.at("after"))};
     }
-    r.decisions = line.value("decisions", decision_means{});
     return r;
 }
 

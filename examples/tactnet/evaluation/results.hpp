@@ -3,8 +3,9 @@
 // Finished trainings of an evaluation, in a file of JSON lines that grows by one as each is done. What is in
 // there need not be done again.
 
-#include "evaluation/decisions.hpp"
+#include "data/image_data.hpp"
 #include "files/line_file.hpp"
+#include "methods/method.hpp"
 
 #include <tactnet/decision/reliability_diagram.hpp>
 #include <tactnet/training/metrics.hpp>
@@ -36,7 +37,6 @@ struct training_result {
     double reflected_accuracy = std::numeric_limits<double>::quiet_NaN();
     /// At a temperature fitted on the validation images; nothing for methods without probabilities.
     std::optional<::calibration> calibration{};
-    decision_means decisions{}; ///< on test images; nothing in lists of before version 0.3
     double seconds = 0;
     std::size_t epochs = 0;
 };

@@ -32,14 +32,8 @@ training_result result_of(const trained_method& trained, const task& t, const tr
     training_result result;
     result.settings = std::move(settings);
     result.confusion = test.confusion;
-    const bool with_decisions = t.of->what->begins_at_random();
-    if (const auto scaling = fit_temperature(validation, validation_images, data)) {
+    if (const auto scaling = fit_temperature(validation, validation_images, data))
         result.calibration = calibration_of(test, test_images, data, *scaling);
-        if (with_decisions)
-            result.decisions = sets_of_classes(*scaling, validation, test, data, training.split());
-    }
-    if (with_decisions)
-        result.decisions.merge(faults_of_sensor(trained, data, test_images, t.seed, alone));
     if (trained.averages_reflections())
         result.reflected_accuracy =
             trained.evaluate(data.view(), test_images, alone, tactnet::test_time_augmentation::reflections)

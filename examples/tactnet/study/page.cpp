@@ -237,26 +237,6 @@ study_table probabilities_table(const std::vector<study_row>& rows) {
         rows, [](const study_row& row) { return std::isfinite(number(row, "temperature")); });
 }
 
-study_table decisions_table(const std::vector<study_row>& rows) {
-    std::vector<column> columns{method_column, size_column, recipe_column};
-    for (const auto& [name, title, is_share] : decision_columns)
-        columns.push_back(fixed(std::string(title), std::string(name), is_share ? 2 : 3, is_share ? 100 : 1));
-    return table_of(
-        {"decisions", "From frames to decisions",
-         fmt::format("Sets of possible classes hold the right one in 95 % of images, by a threshold from the "
-                     "validation images. Accuracy with a fault of the sensor, alone and corrected by "
-                     "sensor_health; faults begin after it has learnt frames of air. Unknown: with some "
-                     "classes left out of the training, the area under the receiver operating "
-                     "characteristic, and how many images of these are accepted where 95 % of the others "
-                     "are. All {} splits together.",
-                     name_of(shown_rule(rows)))},
-        columns, rows, [](const study_row& row) {
-            return std::ranges::any_of(decision_columns, [&](const decision_column& c) {
-                return std::isfinite(number(row, c.name));
-            });
-        });
-}
-
 std::string study_page(const std::vector<study_row>& rows, const std::vector<study_picture>& pictures,
                        const std::string& about) {
     std::string page = fmt::format(
@@ -266,7 +246,7 @@ std::string study_page(const std::vector<study_row>& rows, const std::vector<stu
     for (const study_picture& p : pictures)
         page += fmt::format("\n![{0}]({1}.png)\n\n{0}\n", p.caption, p.name);
     for (const study_table& t : {front_table(rows), methods_table(rows), details_table(rows),
-                                 probabilities_table(rows), decisions_table(rows), memory_table(rows)})
+                                 probabilities_table(rows), memory_table(rows)})
         if (t.cells.size() > 1)
             page += fmt::format("\n## {}\n\n{}\n\n<!-- study {} -->\n{}<!-- study {} ends -->\n", t.title,
                                 t.caption, t.name, markdown_table(t.cells), t.name);

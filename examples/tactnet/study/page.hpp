@@ -21,7 +21,6 @@ study_table methods_table(const std::vector<study_row>& rows);
 /// What else is known of them: other accuracies, times and bytes.
 study_table details_table(const std::vector<study_row>& rows);
 study_table probabilities_table(const std::vector<study_row>& rows);
-study_table decisions_table(const std::vector<study_row>& rows);
 
 /// A picture in the folder of the page.
 struct study_picture {

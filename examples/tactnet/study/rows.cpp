@@ -66,7 +66,6 @@ void put_together(study_row& row, const std::vector<const training_result*>& all
     const auto calibrated = static_cast<double>(
         std::ranges::count_if(all, [](const auto* r) { return r->calibration.has_value(); }));
     calibration together{{0}};
-    decision_means decisions;
     row.confusion = tactnet::confusion_matrix(row.classes.size());
     for (const training_result* r : all) {
         row.confusion.add(r->confusion);
@@ -75,13 +74,9 @@ void put_together(study_row& row, const std::vector<const training_result*>& all
             together.before.add(r->calibration->before);
             together.after.add(r->calibration->after);
         }
-        for (const auto& [name, mean] : r->decisions)
-            for (std::size_t i = 0; i < mean.size(); ++i)
-                decisions[name][i] += mean[i];
     }
     if (calibrated > 0)
         put_calibration(row, together);
-    put_decisions(row, decisions);
 }
 
 study_row row_of(const candidate& c, std::size_t bits, const split_plan& plan, const std::vector<task>& tasks,
@@ -139,8 +134,6 @@ study_row make_row(const std::string& method, std::size_t rows, std::size_t colu
           "published_accuracy", "published_deviation", "published_microseconds", "temperature",
           "softmax_calibration_error", "softmax_brier_score", "calibration_error", "brier_score"})
         row.values[name] = nullptr;
-    for (const decision_column& column : decision_columns)
-        row.values[std::string(column.name)] = nullptr;
     row.values["declaration"] = "";
     return row;
 }
@@ -192,12 +185,6 @@ void put_calibration(study_row& row, const calibration& of) {
     row.values["calibration_error"] = of.after.calibration_error();
     row.values["brier_score"] = of.after.brier_score();
     row.probabilities = of;
-}
-
-void put_decisions(study_row& row, const decision_means& means) {
-    for (const auto& [name, mean] : means)
-        if (row.values.contains(name)) // earlier versions stored further measures
-            row.values[name] = mean[0] / mean[1];
 }
 
 split_rule shown_rule(const std::vector<study_row>& rows) {

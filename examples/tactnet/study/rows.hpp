@@ -43,9 +43,8 @@ std::vector<study_row> rows_of(const candidate_list& candidates, const split_pla
                                const std::vector<task>& tasks, const result_list& results,
                                const time_of_method& time);
 
-/// Puts a calibration, or means, into their members.
+/// Puts a calibration into its members.
 void put_calibration(study_row& row, const calibration& of);
-void put_decisions(study_row& row, const decision_means& means);
 
 /// What pictures show: random splits if there are any, else blocked ones.
 tactnet::split_rule shown_rule(const std::vector<study_row>& rows);

@@ -110,7 +110,7 @@ TEST_SUITE("program") {
                               "random_accuracy,random_deviation,random_validation_accuracy,"
                               "random_training_accuracy,random_reflected_splits,random_reflected_accuracy,"
                               "random_reflected_deviation,blocked_splits,"));
-        says(csv, ",stuck_tactels_corrected_accuracy,declaration\n\"net, "
+        says(csv, ",brier_score,declaration\n\"net, "
                   "\"\"own\"\"\",7,13,default,32,20.0,20.0,0.875,0.01,,,");
         says(csv, "\nlost,28,50,default,8,,,");
     }
@@ -176,7 +176,6 @@ TEST_SUITE("program") {
         made.calibration->before.add(0.7, true);
         made.calibration->before.add(0.72, false);
         made.calibration->after.add(1.0 / 3, true);
-        made.decisions = {{"set_size", {45, 40}}};
         result_list(path).add(made);
         CHECK(text_of(path).starts_with(before));
 
@@ -185,8 +184,6 @@ TEST_SUITE("program") {
                               &net = *read.find(made.settings);
         CHECK(std::isnan(machine.reflected_accuracy));
         CHECK_FALSE(machine.calibration);
-        CHECK(machine.decisions.empty());
-        CHECK(net.decisions == made.decisions);
         CHECK(machine.confusion.count(0, 1) == 1);
         CHECK(machine.confusion.total() == 1);
         CHECK(net.reflected_accuracy == 0.75);
@@ -222,7 +219,7 @@ TEST_SUITE("program") {
         study_row net = studied("net|a", 0.875, 10);
         says(page({net}), "more accurate, over random splits.");
         says(page({net}), "\n![what it shows](drawn.png)\n\nwhat it shows\n");
-        for (const char* table : {"probabilities", "decisions", "memory"}) // of methods that have such
+        for (const char* table : {"probabilities", "memory"}) // of methods that have such
             says_not(page({net}), std::string("study ") + table);
         net.values["random_splits_wanted"] = 25;
         says_not(page({net}), "study front"); // not all of its splits are there
@@ -237,8 +234,6 @@ TEST_SUITE("program") {
         probabilities.before.add(0.5, true);
         probabilities.after.add(0.9, true);
         put_calibration(net, probabilities);
-        put_decisions(net,
-                      {{"set_coverage", {19, 20}}, {"set_size", {45, 40}}, {"stuck_row_accuracy", {1, 8}}});
         net.values["bytes"] = 4936;
         net.values["declaration"] = "own::net";
         study_row thorough = studied("net|a", 0.95, 10, "thorough");
@@ -251,7 +246,6 @@ TEST_SUITE("program") {
               "| lost in 8 bits | 28 × 50 | default | | | | | | | | | | |\n",
               "| net\\|a | 7 × 13 | default | 99.00 | |", "| `own::net` |",
               "| net\\|a | 7 × 13 | default | 0.65 | 50.00 | 10.00 | 0.2500 | 0.0100 |",
-              "| net\\|a | 7 × 13 | default | 95.00 | 1.125 | 12.50 | |",
               "| weights, bytes | working memory, bytes |\n| --- | --- | --- | --- |\n| net\\|a | 7 × 13 | "
               "4 936 | |\n<!-- study memory ends -->"}) // once for all recipes
             says(text, part);
