@@ -39,9 +39,9 @@ std::vector<std::vector<std::int64_t>> whole_bicubic(std::size_t from, std::size
 
 } // namespace
 
-template <class Input, extent2d From, std::size_t InputStride, extent2d To, class Products>
+template <class Input, extent2d From, std::size_t InputStride, extent2d To>
 struct support::reference_step<
-    as_photograph_step<eight_bit_between<Input, std::uint8_t>, From, InputStride, To>, Products> {
+    as_photograph_step<eight_bit_between<Input, std::uint8_t>, From, InputStride, To>> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         const float *const mean = folded, *const scale = folded + 3;
         folded += 6;

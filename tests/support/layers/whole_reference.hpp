@@ -121,22 +121,12 @@ struct reference_filter {
     }
 };
 
-/// How the products of a byte and a weight are summed: exactly, as the rules say …
-struct exact_products {
-    static constexpr bool of_pairs_saturate = false;
-};
-/// … or two and two in 16 bits that saturate, as the instruction for bytes does where none sums in 32
-/// (pmaddubsw): what a plain implementation gives.
-struct saturating_pairs {
-    static constexpr bool of_pairs_saturate = true;
-};
-
 /// A step: `run(folded, input, what lies in the output)`.
-template <class Step, class Products = exact_products>
+template <class Step>
 struct reference_step;
 
 /// Convolution, the sum with what lies in the output, max pool, ReLU, rounding.
-template <tactnet::kernels::frame_convolution C, bool ReadsWords, bool WritesBytes, class Products>
+template <tactnet::kernels::frame_convolution C, bool ReadsWords, bool WritesBytes>
 whole_map reference_convolution(const float* folded, const whole_map& in, const whole_map& other) {
     const tactnet::sliding_window& w = C.window;
     const std::size_t in_group = w.input.channels / C.groups,
@@ -164,20 +154,12 @@ whole_map reference_convolution(const float* folded, const whole_map& in, const 
                                       static_cast<double>(steps[f]), input, C.accumulates ? &added : nullptr,
                                       ReadsWords ? 32768 : 255);
         const std::size_t first = f / (C.filters / C.groups) * in_group;
-        std::vector<std::int64_t> sums(area, filter.bias), of_pair(area);
+        std::vector<std::int64_t> sums(area, filter.bias);
         for (std::size_t c = 0; c < in_group; ++c)
             window.for_each_tap([&](std::size_t to, std::size_t from, std::size_t place) {
                 const std::size_t tap = c * taps + place;
                 const std::int64_t value = all.whole[from * all.channels + first + c];
                 sums[to] += filter.weights[tap] * (value - input.zero);
-                if constexpr (Products::of_pairs_saturate && !ReadsWords) {
-                    // What a pair loses by not fitting into 16 bits.
-                    of_pair[to] += filter.weights[tap] * value;
-                    if (tap % 2 == 1 || tap + 1 == of_one) {
-                        sums[to] += std::clamp<std::int64_t>(of_pair[to], -32768, 32767) - of_pair[to];
-                        of_pair[to] = 0;
-                    }
-                }
             });
         for (std::size_t o = 0; C.accumulates && o < area; ++o)
             sums[o] += filter.added * (other.whole[o * other.channels + f] - added.zero);
@@ -198,29 +180,26 @@ whole_map reference_convolution(const float* folded, const whole_map& in, const 
     }
     return result;
 }
-template <class Input, class Output, tactnet::kernels::frame_convolution Kernel, class Products>
-struct reference_step<tactnet::convolution_step<tactnet::eight_bit_between<Input, Output>, Kernel>,
-                      Products> {
+template <class Input, class Output, tactnet::kernels::frame_convolution Kernel>
+struct reference_step<tactnet::convolution_step<tactnet::eight_bit_between<Input, Output>, Kernel>> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map& other) {
-        return reference_convolution<Kernel, (sizeof(Input) > 1), (sizeof(Output) == 1), Products>(folded, in,
-                                                                                                   other);
+        return reference_convolution<Kernel, (sizeof(Input) > 1), (sizeof(Output) == 1)>(folded, in, other);
     }
 };
-template <class Input, class Output, tactnet::kernels::frame_dense Kernel, class Products>
-struct reference_step<tactnet::dense_step<tactnet::eight_bit_between<Input, Output>, Kernel>, Products> {
+template <class Input, class Output, tactnet::kernels::frame_dense Kernel>
+struct reference_step<tactnet::dense_step<tactnet::eight_bit_between<Input, Output>, Kernel>> {
     static constexpr tactnet::kernels::frame_convolution whole{
         .window = {Kernel.input, {Kernel.input.rows, Kernel.input.columns}, 1},
         .filters = Kernel.outputs,
         .input_stride = 1};
     static whole_map run(const float* folded, const whole_map& in, const whole_map& other) {
-        return reference_convolution<whole, (sizeof(Input) > 1), (sizeof(Output) == 1), Products>(folded, in,
-                                                                                                  other);
+        return reference_convolution<whole, (sizeof(Input) > 1), (sizeof(Output) == 1)>(folded, in, other);
     }
 };
 
-template <class Input, tactnet::shape Map, std::size_t Stride, bool Rectified, class Products>
+template <class Input, tactnet::shape Map, std::size_t Stride, bool Rectified>
 struct reference_step<
-    tactnet::norm_step<tactnet::eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>, Products> {
+    tactnet::norm_step<tactnet::eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         const float* at = folded + 2 * Map.channels;
         const reference_range input = reference_range::next(at), output = reference_range::next(at);
@@ -237,10 +216,9 @@ struct reference_step<
     }
 };
 
-template <class Input, tactnet::shape Map, std::size_t Stride, class Offset, class Products>
+template <class Input, tactnet::shape Map, std::size_t Stride, class Offset>
 struct reference_step<
-    tactnet::square_root_step<tactnet::eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>,
-    Products> {
+    tactnet::square_root_step<tactnet::eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         const reference_range input = reference_range::next(folded), output = reference_range::next(folded);
         const auto offset = static_cast<float>(static_cast<double>(Offset::num) /
@@ -257,8 +235,8 @@ struct reference_step<
     }
 };
 
-template <class Function, tactnet::shape Map, std::size_t Stride, class Products>
-struct reference_step<tactnet::activation_step<tactnet::eight_bit, Function, Map, Stride>, Products> {
+template <class Function, tactnet::shape Map, std::size_t Stride>
+struct reference_step<tactnet::activation_step<tactnet::eight_bit, Function, Map, Stride>> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         const reference_range input = reference_range::next(folded);
         if constexpr (std::is_same_v<Function, tactnet::relu_function>) {
@@ -275,8 +253,8 @@ struct reference_step<tactnet::activation_step<tactnet::eight_bit, Function, Map
 };
 
 /// The factor of a slope is rounded once, as that of the ranges.
-template <tactnet::shape Map, std::size_t Stride, class Products>
-struct reference_step<tactnet::parametric_relu_step<tactnet::eight_bit, Map, Stride>, Products> {
+template <tactnet::shape Map, std::size_t Stride>
+struct reference_step<tactnet::parametric_relu_step<tactnet::eight_bit, Map, Stride>> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         const float* at = folded + Map.channels;
         const reference_range input = reference_range::next(at), output = reference_range::next(at);
@@ -290,10 +268,10 @@ struct reference_step<tactnet::parametric_relu_step<tactnet::eight_bit, Map, Str
 };
 
 /// In double precision, rounded once.
-template <class Step, class Products>
-struct reference_step<tactnet::step_with_softmax<Step>, Products> {
+template <class Step>
+struct reference_step<tactnet::step_with_softmax<Step>> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map& other) {
-        whole_map map = reference_step<Step, Products>::run(folded, in, other);
+        whole_map map = reference_step<Step>::run(folded, in, other);
         const reference_pointer softmax = reference_softmax({map.channels, 1, 1});
         for (std::size_t pixel = 0; pixel < map.floats.size(); pixel += map.channels) {
             sample values(map.channels);
@@ -307,17 +285,16 @@ struct reference_step<tactnet::step_with_softmax<Step>, Products> {
     }
 };
 
-template <tactnet::sliding_window W, std::size_t Stride, class Products>
-struct reference_step<tactnet::pool_step<tactnet::eight_bit, W, Stride>, Products> {
+template <tactnet::sliding_window W, std::size_t Stride>
+struct reference_step<tactnet::pool_step<tactnet::eight_bit, W, Stride>> {
     static whole_map run(const float*, const whole_map& in, const whole_map&) {
         return exact_layer(reference_max_pool(window_of(W)), in);
     }
 };
 
-template <class Output, tactnet::pooling_windows W, std::size_t Channels, std::size_t Stride, class Products>
+template <class Output, tactnet::pooling_windows W, std::size_t Channels, std::size_t Stride>
 struct reference_step<
-    tactnet::average_pool_step<tactnet::eight_bit_between<std::uint8_t, Output>, W, Channels, Stride>,
-    Products> {
+    tactnet::average_pool_step<tactnet::eight_bit_between<std::uint8_t, Output>, W, Channels, Stride>> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         constexpr bool writes_bytes = sizeof(Output) == 1;
         const reference_range input = reference_range::next(folded);
@@ -343,38 +320,35 @@ struct reference_step<
     }
 };
 
-template <class... Steps, class Products>
-struct reference_step<tactnet::step_chain<Steps...>, Products> {
+template <class... Steps>
+struct reference_step<tactnet::step_chain<Steps...>> {
     static whole_map run(const float* folded, whole_map map, const whole_map& other) {
-        ((map = reference_step<Steps, Products>::run(folded, map, other), folded += Steps::folded_elements),
-         ...);
+        ((map = reference_step<Steps>::run(folded, map, other), folded += Steps::folded_elements), ...);
         return map;
     }
 };
 
-template <class Main, class Skip, std::size_t Stride, class Products>
-struct reference_step<tactnet::residual_step<Main, Skip, Stride>, Products> {
+template <class Main, class Skip, std::size_t Stride>
+struct reference_step<tactnet::residual_step<Main, Skip, Stride>> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         if constexpr (std::is_same_v<Skip, tactnet::no_step>)
-            return reference_step<Main, Products>::run(folded, in, in);
+            return reference_step<Main>::run(folded, in, in);
         else
-            return reference_step<Main, Products>::run(
-                folded, in,
-                reference_step<Skip, Products>::run(folded + Main::folded_elements, in, whole_map{}));
+            return reference_step<Main>::run(
+                folded, in, reference_step<Skip>::run(folded + Main::folded_elements, in, whole_map{}));
     }
 };
 
-template <class Products>
-struct reference_step<tactnet::no_step, Products> {
+template <>
+struct reference_step<tactnet::no_step> {
     static whole_map run(const float*, whole_map map, const whole_map&) { return map; }
 };
 
 /// The product of a byte and the byte of its channel's factor.
-template <class Branch, tactnet::shape Map, std::size_t Stride, class Products>
-struct reference_step<tactnet::gate_step<Branch, tactnet::product_step<tactnet::eight_bit, Map, Stride>>,
-                      Products> {
+template <class Branch, tactnet::shape Map, std::size_t Stride>
+struct reference_step<tactnet::gate_step<Branch, tactnet::product_step<tactnet::eight_bit, Map, Stride>>> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
-        const whole_map factors = reference_step<Branch, Products>::run(folded, in, whole_map{});
+        const whole_map factors = reference_step<Branch>::run(folded, in, whole_map{});
         folded += Branch::folded_elements;
         const reference_range input = reference_range::next(folded), other = reference_range::next(folded),
                               output = reference_range::next(folded);
@@ -386,13 +360,11 @@ struct reference_step<tactnet::gate_step<Branch, tactnet::product_step<tactnet::
     }
 };
 
-template <class Format, tactnet::shape Input, std::size_t InputStride, std::size_t Stride, class... Branches,
-          class Products>
-struct reference_step<tactnet::concatenation_step<Format, Input, InputStride, Stride, Branches...>,
-                      Products> {
+template <class Format, tactnet::shape Input, std::size_t InputStride, std::size_t Stride, class... Branches>
+struct reference_step<tactnet::concatenation_step<Format, Input, InputStride, Stride, Branches...>> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         std::vector<whole_map> parts;
-        ((parts.push_back(reference_step<typename Branches::step, Products>::run(folded, in, whole_map{})),
+        ((parts.push_back(reference_step<typename Branches::step>::run(folded, in, whole_map{})),
           folded += Branches::step::folded_elements),
          ...);
         std::size_t channels = 0;
@@ -422,9 +394,9 @@ whole_map reference_entrance(const float* folded, std::span<const Count> counts)
 }
 
 /// The outputs [channel][row][column] of a frame.
-template <class View, class Products = exact_products, class Count>
+template <class View, class Count>
 std::vector<float> reference_outputs(std::span<const float> folded, std::span<const Count> counts) {
-    const whole_map out = reference_step<typename View::steps, Products>::run(
+    const whole_map out = reference_step<typename View::steps>::run(
         folded.data() + View::steps_folded, reference_entrance<View::input_shape>(folded.data(), counts),
         whole_map{});
     std::vector<float> result;

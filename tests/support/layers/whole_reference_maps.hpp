@@ -16,8 +16,8 @@
 
 namespace support {
 
-template <tactnet::shape Input, tactnet::extent2d Output, std::size_t Stride, class Products>
-struct reference_step<tactnet::adaptive_max_pool_step<tactnet::eight_bit, Input, Output, Stride>, Products> {
+template <tactnet::shape Input, tactnet::extent2d Output, std::size_t Stride>
+struct reference_step<tactnet::adaptive_max_pool_step<tactnet::eight_bit, Input, Output, Stride>> {
     static whole_map run(const float*, const whole_map& in, const whole_map&) {
         return exact_layer(
             reference_adaptive_max({Input.channels, Input.rows, Input.columns}, Output.rows, Output.columns),
@@ -26,9 +26,8 @@ struct reference_step<tactnet::adaptive_max_pool_step<tactnet::eight_bit, Input,
 };
 
 /// Sums of steps times whole parts of a pixel, times 1 ÷ all parts in single precision.
-template <tactnet::interpolation Mode, tactnet::shape Input, tactnet::extent2d Output, std::size_t Stride,
-          class Products>
-struct reference_step<tactnet::resampling_step<tactnet::eight_bit, Mode, Input, Output, Stride>, Products> {
+template <tactnet::interpolation Mode, tactnet::shape Input, tactnet::extent2d Output, std::size_t Stride>
+struct reference_step<tactnet::resampling_step<tactnet::eight_bit, Mode, Input, Output, Stride>> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         constexpr bool linear = Mode == tactnet::interpolation::bilinear;
         const reference_pointer layer = reference_upsampling({Input.channels, Input.rows, Input.columns},
@@ -48,9 +47,8 @@ struct reference_step<tactnet::resampling_step<tactnet::eight_bit, Mode, Input, 
 
 /// The phases of a transposed convolution: each pixel holds stride × stride pixels of the output.
 template <class Format, tactnet::shape Map, tactnet::extent2d Stride, tactnet::extent2d Skipped,
-          tactnet::extent2d Output, std::size_t InputStride, class Products>
-struct reference_step<tactnet::phase_interleaving_step<Format, Map, Stride, Skipped, Output, InputStride>,
-                      Products> {
+          tactnet::extent2d Output, std::size_t InputStride>
+struct reference_step<tactnet::phase_interleaving_step<Format, Map, Stride, Skipped, Output, InputStride>> {
     static whole_map run(const float*, const whole_map& in, const whole_map&) {
         const std::size_t filters = Map.channels / Stride.area();
         whole_map result(tactnet::shape{Output.rows, Output.columns, filters});
@@ -66,9 +64,9 @@ struct reference_step<tactnet::phase_interleaving_step<Format, Map, Stride, Skip
 
 /// The phases of a dilated convolution, and the byte of zero between them.
 template <tactnet::sliding_window Window, tactnet::extent2d Dilation, tactnet::extent2d Outputs,
-          std::size_t InputStride, class Products>
+          std::size_t InputStride>
 struct reference_step<
-    tactnet::phase_splitting_step<tactnet::eight_bit, Window, Dilation, Outputs, InputStride>, Products> {
+    tactnet::phase_splitting_step<tactnet::eight_bit, Window, Dilation, Outputs, InputStride>> {
     using phases = tactnet::kernels::dilated_phases<Window, Dilation, Outputs>;
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         whole_map result(phases::map);
@@ -95,9 +93,8 @@ struct reference_step<
     }
 };
 template <class Format, tactnet::sliding_window Window, tactnet::extent2d Dilation, tactnet::extent2d Outputs,
-          std::size_t Filters, std::size_t InputStride, class Products>
-struct reference_step<tactnet::phase_merging_step<Format, Window, Dilation, Outputs, Filters, InputStride>,
-                      Products> {
+          std::size_t Filters, std::size_t InputStride>
+struct reference_step<tactnet::phase_merging_step<Format, Window, Dilation, Outputs, Filters, InputStride>> {
     using phases = tactnet::kernels::dilated_phases<Window, Dilation, Outputs>;
     static whole_map run(const float*, const whole_map& in, const whole_map&) {
         whole_map result(tactnet::shape{Outputs.rows, Outputs.columns, Filters});

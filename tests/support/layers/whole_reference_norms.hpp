@@ -18,10 +18,8 @@ namespace support {
 
 /// Moments of whole numbers. What comes after them is rounded number by number: the square root and its
 /// inverse, the normalised number, its product with the weight to 1/256 of a step, and the byte.
-template <tactnet::shape Map, std::size_t Stride, unsigned Kind, std::size_t Groups, bool Rectified,
-          class Products>
-struct reference_step<tactnet::sample_norm_step<tactnet::eight_bit, Map, Stride, Kind, Groups, Rectified>,
-                      Products> {
+template <tactnet::shape Map, std::size_t Stride, unsigned Kind, std::size_t Groups, bool Rectified>
+struct reference_step<tactnet::sample_norm_step<tactnet::eight_bit, Map, Stride, Kind, Groups, Rectified>> {
     static whole_map run(const float* folded, const whole_map& in, const whole_map&) {
         constexpr auto kind = static_cast<tactnet::sample_norm_kind>(Kind);
         constexpr bool per_element = kind == tactnet::sample_norm_kind::frame,
@@ -64,12 +62,9 @@ struct reference_step<tactnet::sample_norm_step<tactnet::eight_bit, Map, Stride,
 };
 
 /// Sums of squares are whole. What comes after them is rounded number by number.
-template <tactnet::shape Map, std::size_t Stride, std::size_t Size, class Alpha, class Beta, class K,
-          class Products>
-struct reference_step<
-    tactnet::local_response_norm_step<tactnet::eight_bit, Map, Stride,
-                                      tactnet::kernels::response_rule<Size, Alpha, Beta, K>>,
-    Products> {
+template <tactnet::shape Map, std::size_t Stride, std::size_t Size, class Alpha, class Beta, class K>
+struct reference_step<tactnet::local_response_norm_step<
+    tactnet::eight_bit, Map, Stride, tactnet::kernels::response_rule<Size, Alpha, Beta, K>>> {
     static float power(float x) { // x^−β
         const float root = std::sqrt(x);
         if (std::ratio_equal_v<Beta, std::ratio<3, 4>>) {
