@@ -162,3 +162,14 @@ data_set load();
 const std::vector<std::size_t> labels{0, 1};
 const tactnet::labelled_images images{load().pixels, labels, 2};
 #endif
+
+#ifdef CASE_labelled_images_of_floats
+// expect: labelled_images: images are 8-bit counts (std::uint8_t); for floats, such as features or filtered values, use labelled_features
+#include <tactnet/training.hpp>
+
+#include <vector>
+
+const std::vector<float> values{1, 2};
+const std::vector<std::size_t> labels{0, 1};
+const tactnet::labelled_images images{values, labels, 2};
+#endif

@@ -1,3 +1,4 @@
+#include <tactnet/deployment/deploy.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/save_model.hpp>
@@ -17,6 +18,7 @@
 #include <support/error_of.hpp>
 #include <support/files/data_folder.hpp>
 #include <support/files/temporary_folder.hpp>
+#include <utility>
 #include <vector>
 
 using namespace tactnet;
@@ -193,13 +195,21 @@ TEST_CASE("model_file: metadata that mean nothing") {
         CHECK(
             error_of(changed(good, {{"classes", "[\"x\",\"" + name + "\",\"z\"]"}}))
                 .starts_with("m.safetensors: metadata 'classes': expected names without control characters, "
-                             "found '"));
-    CHECK(error_of(changed(good, {{"classes", "[\"\",\"Schlüssel, lang\",\"鍵 🔑\"]"}})) == "no error");
+                             "each once, found '"));
+    for (const auto& [names, found] :
+         {std::pair{R"(["x","","z"])", "an empty name"}, {R"(["x","y","x"])", "'x' twice"}})
+        CHECK(error_of(changed(good, {{"classes", names}}))
+                  .ends_with(std::string(", each once, found ") + found));
+    CHECK(error_of(changed(good, {{"classes", "[\"a\",\"Schlüssel, lang\",\"鍵 🔑\"]"}})) == "no error");
     model named = example();
     named.classes[1] = "a\nb";
     CHECK_THROWS_WITH_AS(save_model(folder / "n.safetensors", named),
-                         "classes: expected names in UTF-8 without control characters, found 'a\\x0ab'",
+                         "classes: expected names without control characters, each once, found 'a\\x0ab'",
                          std::invalid_argument);
+    for (const char* wrong : {"", "cable"}) {
+        named.classes[1] = wrong;
+        CHECK_THROWS_AS(save_model(folder / "n.safetensors", named), std::invalid_argument);
+    }
     CHECK(!std::filesystem::exists(folder / "n.safetensors"));
     CHECK(error_of(changed(good, {{"input", "guess"}})) ==
           "m.safetensors: metadata 'input': expected 'mean' or 'scale', found 'guess'");
@@ -271,4 +281,50 @@ TEST_CASE("model_file: the published TactNet-4 gives the published logits" * doc
     }
     MESSAGE("largest difference ", difference, " of ", largest);
     CHECK(difference <= 1e-4 * largest);
+}
+
+TEST_CASE("model_file: weights that no training has touched are neither saved nor loaded") {
+    const support::temporary_folder folder;
+    const auto path = folder.path() / "m.safetensors";
+    model<small_network> untouched = example();
+    untouched.network = {};
+    const std::string expected = "expected a trained network, found one whose weights are all zero";
+    CHECK(support::error_of<std::invalid_argument>([&] {
+              save_model(path, untouched);
+          }).find("model: " + expected) != std::string::npos);
+    CHECK(!std::filesystem::exists(path));
+    CHECK(support::error_of<std::invalid_argument>([&] {
+              (void)deploy(untouched);
+          }).find("deploy: " + expected) != std::string::npos);
+    CHECK_NOTHROW((void)deploy(untouched.network)); // to measure its time
+
+    save_model(path, example());
+    const safetensors good = safetensors::read(path);
+    safetensors zeros = changed(good, {}, "conv1.weight", std::vector<std::byte>(2 * 9 * sizeof(float)));
+    zeros = changed(zeros, {}, "fc.weight", std::vector<std::byte>(3 * 2 * 2 * 3 * sizeof(float)));
+    CHECK(error_of(zeros).starts_with("m.safetensors: " + expected));
+}
+
+TEST_CASE("model_file: the self-test of weights that were rounded since says so") {
+    const support::temporary_folder folder;
+    const auto path = folder.path() / "m.safetensors";
+    save_model(path, example(), {}, images(4));
+    const safetensors file = safetensors::read(path);
+    safetensors_writer rounded;
+    rounded.metadata = file.metadata();
+    for (const auto& [name, entry] : file.tensors()) {
+        const std::span<const std::byte> stored = file.bytes(name);
+        if (name.starts_with("selftest.")) {
+            rounded.add(name, entry.type, entry.extents, stored);
+            continue;
+        }
+        std::vector<std::byte> halves; // the upper halves of floats: BF16
+        for (std::size_t i = 0; i < stored.size(); i += 4)
+            halves.insert(halves.end(), {stored[i + 2], stored[i + 3]});
+        rounded.add(name, element_type::bfloat16, entry.extents, halves);
+    }
+    const std::string error = error_of(safetensors::parse(rounded.to_bytes(), "m.safetensors"));
+    CHECK(error.find("self-test, image ") != std::string::npos);
+    CHECK(error.find(": weights are stored as BF16, with fewer digits than when the self-test was made") !=
+          std::string::npos);
 }

@@ -10,6 +10,7 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
@@ -200,6 +201,24 @@ TEST_CASE("parameters: any number of surplus arrays and extents: a short message
     const auto start = std::chrono::steady_clock::now();
     CHECK(message(100'000).size() < 1000);
     CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(30));
+}
+
+TEST_CASE("parameters: numbers in the other byte order are named") {
+    const auto reversed = [](arrays& a) {
+        for (auto& [name, array] : a)
+            for (float& value : array.values)
+                value =
+                    std::bit_cast<float>(__builtin_bswap32(std::bit_cast<std::uint32_t>(value * 1.2345678f)));
+    };
+    CHECK(error_after(reversed).find(
+              "expected little-endian numbers, as safetensors stores them, found numbers "
+              "whose bytes lie in the other order") != std::string::npos);
+    // Small numbers may look like large ones in the other order: they are none.
+    CHECK(error_after([](arrays& a) {
+              for (auto& [name, array] : a)
+                  for (float& value : array.values)
+                      value = std::abs(value) * 1.2345678e-12f;
+          }) == "no error");
 }
 
 TEST_CASE("parameters: more classes than outputs") {

@@ -5,6 +5,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
+#include <random>
 #include <string>
 #include <string_view>
 #include <support/allocations.hpp>
@@ -154,4 +156,50 @@ TEST_CASE("matrix_stream: descriptions that make no sense; memory") {
         decoder.push(bytes_of(stream), tactnet::ignore_frames{});
     CHECK(support::bytes_allocated() == before);
     CHECK(decoder.frames() == 1000);
+}
+
+TEST_CASE("matrix_stream: a long marker takes linear time, whatever comes before it") {
+    // 6.5 s per megabyte when the marker was compared again from every byte on.
+    for (const std::string& repeated : {"A"s, "AB"s, "AAB"s}) {
+        matrix_stream_format format = bare;
+        std::string marker;
+        while (marker.size() < 4000)
+            marker += repeated;
+        marker += "!";
+        format.marker.assign(bytes_of(marker).begin(), bytes_of(marker).end());
+        std::string stream;
+        while (stream.size() < 4'000'000)
+            stream += repeated;
+        matrix_stream decoder(format);
+        const auto start = std::chrono::steady_clock::now();
+        decoder.push(bytes_of(stream + "!\1\2\3\4\5\6" + marker), tactnet::ignore_frames{});
+        CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(10));
+        CHECK(decoder.frames() == 1);
+        CHECK(decoder.skipped_bytes() == stream.size() + 1 - marker.size());
+    }
+}
+
+TEST_CASE("matrix_stream: markers of few letters are found as by comparing from every byte on") {
+    std::mt19937 random(7);
+    for (int trial = 0; trial < 3000; ++trial) {
+        const auto letters = [&](std::size_t count) {
+            std::string text;
+            while (text.size() < count)
+                text += "ab"[random() % 2];
+            return text;
+        };
+        matrix_stream_format format{.rows = 1, .columns = 2};
+        const std::string marker = letters(1 + random() % 7), stream = letters(random() % 60);
+        format.marker.assign(bytes_of(marker).begin(), bytes_of(marker).end());
+        matrix_stream decoder(format);
+        decoder.push(bytes_of(stream), tactnet::ignore_frames{});
+        std::size_t at = 0, frames = 0, skipped = 0;
+        while (at < stream.size() && !std::string_view(marker).starts_with(stream.substr(at)))
+            if (!stream.substr(at).starts_with(marker))
+                ++at, ++skipped;
+            else if ((at += marker.size() + 2) <= stream.size())
+                ++frames;
+        CHECK(decoder.frames() == frames);
+        CHECK(decoder.skipped_bytes() == skipped);
+    }
 }

@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include <chrono>
 #include <string>
 #include <support/allocations.hpp>
 #include <vector>
@@ -189,4 +190,24 @@ TEST_CASE("weiss_decoder: memory does not grow with the stream; sizes are checke
     CHECK(decoder.frames() == 100);
     CHECK_THROWS_AS(weiss_wts({.rows = 0, .columns = 3}), std::invalid_argument);
     CHECK_THROWS_AS(weiss_wts({.rows = SIZE_MAX, .columns = 2}), std::invalid_argument);
+}
+
+TEST_CASE("weiss_decoder: any bytes take linear time, even where each could begin a packet") {
+    // 50 s when the checksum of each was computed by itself.
+    const tactnet::weiss_array large{.rows = 1, .columns = 21'843};
+    const bytes frame = packet(0, {1, 0, 0, 0, 0}, 0); // of no cells: examined and reported
+    for (const bytes& stream : {bytes(200'000, 0xAA) + bytes(50'000, 0) + frame, [&] {
+                                    bytes beginnings; // of packets of 43 520 bytes
+                                    for (int i = 0; i < 30'000; ++i)
+                                        beginnings =
+                                            std::move(beginnings) + bytes{0xAA, 0xAA, 0xAA, 0, 0, 0xAA};
+                                    return beginnings + bytes(50'000, 0) + frame;
+                                }()}) {
+        weiss_wts decoder(large);
+        const auto start = std::chrono::steady_clock::now();
+        decoder.push(span_of(stream), tactnet::ignore_frames{});
+        CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(15));
+        CHECK(decoder.skipped_bytes() == stream.size() - frame.size());
+        CHECK(decoder.finish(tactnet::ignore_frames{}) == decode_status::finished);
+    }
 }

@@ -76,17 +76,17 @@ std::vector<std::string> load_class_names(const std::filesystem::path& path) {
     if (!tactnet::is_utf8(text))
         refuse("{}: expected class names in UTF-8, a line each, found other bytes", path.string());
     std::vector<std::string> names;
-    std::istringstream lines(text);
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF"; // of editors on Windows
+    std::istringstream lines(text.substr(text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0));
     for (std::string line; std::getline(lines, line);) {
         if (line.ends_with('\r'))
             line.pop_back();
         if (line.empty())
             continue;
-        if (!tactnet::is_printable(line))
-            refuse("{}: name {}: expected a name without control characters, found {}", path.string(),
-                   names.size() + 1, tactnet::in_quotes(line));
         names.push_back(line);
     }
+    if (const std::string problem = tactnet::detail::problem_of_names(names); !problem.empty())
+        refuse("{}: expected {}, found {}", path.string(), tactnet::detail::expected_names, problem);
     if (names.empty())
         refuse("{}: expected class names, a line each, found none", path.string());
     return names;

@@ -2,6 +2,7 @@
 #     cat common.gnuplot confusion.gnuplot | gnuplot -c /dev/stdin confusion.csv TITLE NAME/NAME/… > confusion.png
 set datafile separator ","
 set datafile missing NaN
+set datafile commentschars "" # a name may begin with one
 # The names in ARG3 end with a slash each.
 array name[1000]
 n = 0

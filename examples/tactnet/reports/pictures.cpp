@@ -107,8 +107,12 @@ void plot_confusion(const std::filesystem::path& stem, const std::string& title,
         for (std::size_t recognised = 0; recognised < classes.size(); ++recognised)
             text += ',' + fmt::to_string(confusion.count(truth, recognised));
     }
+    std::vector<std::string> labels(classes.size());
+    for (std::size_t c = 0; c < classes.size(); ++c)
+        for (const char letter : classes[c]) // a slash ends a name, and % begins a number in gnuplot's labels
+            labels[c] += letter == '/' ? "∕" : std::string(letter == '%' ? 2 : 1, letter);
     draw_picture("confusion", stem, text + '\n',
-                 fmt::format("{} ({} of {} right)", title, confusion.correct(), confusion.total()), classes);
+                 fmt::format("{} ({} of {} right)", title, confusion.correct(), confusion.total()), labels);
 }
 
 void plot_reliability(const std::filesystem::path& stem, const std::string& title, const calibration& of) {

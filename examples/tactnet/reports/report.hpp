@@ -11,7 +11,8 @@
 #include <string_view>
 #include <vector>
 
-/// In double quotes where CSV needs them (RFC 4180).
+/// In double quotes where CSV needs them (RFC 4180), behind an apostrophe where a spreadsheet would take it
+/// for a formula.
 std::string csv_field(std::string_view text);
 
 /// A line for each object, all of which have the same members in the same order; null is an empty field.

@@ -54,6 +54,11 @@ struct folded_check<single_precision> {
     throw std::invalid_argument(text.append(std::to_string(found)).append(" names"));
 }
 
+[[noreturn]] [[gnu::cold, gnu::noinline]] inline void throw_class_name(const std::string& found) {
+    throw std::invalid_argument("deploy: expected names of classes, each once, found " +
+                                (found.empty() ? "an empty one" : "'" + found + "' twice"));
+}
+
 } // namespace detail
 
 /// A deployed network, which keeps its packed weights on the heap. Copyable and movable.
@@ -96,10 +101,11 @@ public:
         view_type::pack(folded_.data(), packed_.data());
     }
     /// A trained network with its normalisation and the names of its classes. Throws as set_classes and
-    /// set_temperature, too.
+    /// set_temperature, and for a network whose weights are all zero, too.
     explicit deployed(const model<Network>& trained)
         requires std::is_same_v<Format, single_precision>
         : deployed(trained.network, trained.normalise.mean.view().elements(), trained.normalise.scale) {
+        detail::check_trained("deploy", trained.network);
         set_classes(trained.classes);
         set_temperature(trained.temperature);
     }
@@ -117,10 +123,14 @@ public:
     }
 
     /// Names the classes of the first outputs, in order. Throws std::invalid_argument unless
-    /// there are 1 to `outputs` names.
+    /// there are 1 to `outputs` names, each once and none empty.
     void set_classes(std::vector<std::string> names) {
         if (names.empty() || names.size() > outputs)
             detail::throw_class_count(outputs, names.size());
+        for (std::size_t c = 0; c < names.size(); ++c)
+            if (names[c].empty() || std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(c),
+                                              names[c]) != names.begin() + static_cast<std::ptrdiff_t>(c))
+                detail::throw_class_name(names[c]);
         classes_ = std::move(names);
     }
     /// The names of the classes; empty if they have none.

@@ -104,10 +104,8 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
     json_scanner scanner(classes, detail::joined({file.file(), ": metadata 'classes'"}), 0);
     scanner.array([&] { d.classes.push_back(scanner.string()); });
     scanner.end();
-    for (const std::string& name : d.classes)
-        if (!is_printable(name))
-            detail::throw_file_error(file.file(), {"metadata 'classes'"},
-                                     {"names without control characters"}, {detail::quoted{name}});
+    if (const std::string problem = detail::problem_of_names(d.classes); !problem.empty())
+        detail::throw_file_error(file.file(), {"metadata 'classes'"}, {detail::expected_names}, {problem});
     require(input == "mean" || input == "scale", "input", "'mean' or 'scale'");
     d.subtracts_mean = input == "mean";
     d.scale = detail::number_in<float>(file, "input_scale", "a positive number", ours);

@@ -102,6 +102,8 @@ class_names(const safetensors_index& file, std::vector<std::string> names, std::
     m.classes = detail::class_names(file, std::move(d.classes), classes);
     m.epsilon = epsilon ? *epsilon : d.epsilon.value_or(1e-5);
     m.arrays = detail::read_arrays(file, arrays, classes);
+    if (!detail::any_weight(arrays, m.arrays))
+        detail::throw_file_error(file.file(), {}, {"a trained network"}, {detail::untrained});
     if (d.subtracts_mean.value_or(file.contains("input_mean"))) {
         file.require_extents("input_mean", detail::image_extents(input));
         m.mean = file.values<float>("input_mean");
@@ -130,6 +132,14 @@ class_names(const safetensors_index& file, std::vector<std::string> names, std::
     const std::vector<float> expected = file.values<float>(outputs);
     detail::check_values(file, outputs, expected);
     const std::vector<float> found = logits(file.values<std::uint8_t>(images));
+    // Weights that were rounded since.
+    std::string reason;
+    for (const auto& [name, tensor] : file.tensors())
+        if (tensor.type == element_type::float16 || tensor.type == element_type::bfloat16)
+            reason =
+                detail::joined({": weights are stored as ", element_type_name(tensor.type),
+                                ", with fewer digits than when the self-test was made; load them without "
+                                "the tensors selftest.input and selftest.logits, and save the model again"});
     float largest = 0;
     for (const float value : expected)
         largest = std::max(largest, std::abs(value));
@@ -137,7 +147,7 @@ class_names(const safetensors_index& file, std::vector<std::string> names, std::
         if (!(std::abs(found[i] - expected[i]) <= tolerance * largest))
             detail::throw_file_error(file.file(), {"self-test, image ", i / classes, ", class ", i % classes},
                                      {"the logit ", shortest_number(expected[i])},
-                                     {shortest_number(found[i])});
+                                     {shortest_number(found[i]), reason});
 }
 
 /// Makes a model of the content of a file. `check_selftest` runs the self-test.

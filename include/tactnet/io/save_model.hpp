@@ -71,11 +71,8 @@ namespace detail {
     metadata["version"] = "1";
     metadata["rows"] = std::to_string(d.rows.value());
     metadata["columns"] = std::to_string(d.columns.value());
-    for (const std::string& name : d.classes)
-        if (!is_printable(name))
-            detail::throw_invalid_argument(
-                {"classes: expected names in UTF-8 without control characters, found ",
-                 detail::quoted{name}});
+    if (const std::string problem = detail::problem_of_names(d.classes); !problem.empty())
+        detail::throw_invalid_argument({"classes: expected ", detail::expected_names, ", found ", problem});
     metadata["classes"] = detail::json_array(d.classes);
     metadata["input"] = d.subtracts_mean.value() ? "mean" : "scale";
     if (d.epsilon)
@@ -122,11 +119,13 @@ template <class Network>
 
 /// Adds a model to a file: its arrays, and its description to the metadata. `selftest` holds images to store
 /// with their logits, which `logits` computes. Throws std::invalid_argument unless there are 1 to as many
-/// classes as outputs, and the temperature is one.
+/// classes as outputs, a weight that is not zero, and the temperature is one.
 [[gnu::cold]] inline void add_model(safetensors_writer& writer, const model_parts& m,
                                     std::span<const std::uint8_t> selftest, const logits_function& logits) {
     const std::size_t classes = m.classes.size();
     detail::check_classes("model", classes, m.arrays.outputs);
+    if (!detail::any_weight(m.arrays, m.values))
+        detail::throw_invalid_argument({"model: expected a trained network, found ", detail::untrained});
     bool subtracts = false;
     for (const float mean : m.mean)
         subtracts = subtracts || mean != 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors/header.hpp>
 #include <tactnet/io/safetensors/index.hpp>
@@ -8,6 +9,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -68,6 +70,39 @@ inline bool is_companion(std::string_view name) {
     return name == "input_mean" || name.starts_with("selftest.") || name.ends_with(".num_batches_tracked");
 }
 
+inline constexpr const char* untrained = "one whose weights are all zero, as before training: its outputs "
+                                         "would be the same for every frame";
+
+/// Whether a weight, an element of an array of more than one extent, is not zero; `values` has those of each
+/// array. True without such arrays.
+template <class Values>
+[[nodiscard]] bool any_weight(const stored_arrays& arrays, const std::vector<Values>& values) {
+    bool any = false, found = false;
+    for (std::size_t i = 0; i < values.size() && !found; ++i)
+        if (arrays.list[i].extents.size() > 1) {
+            any = true;
+            for (const float value : values[i])
+                found = found || value != 0;
+        }
+    return found || !any;
+}
+
+/// Throws file_error for floats whose bytes lie in the other order: reversed nearly all are as large as
+/// weights are, but not as they stand.
+[[gnu::cold, gnu::noinline]] inline void
+check_byte_order(const safetensors_index& file, std::string_view name, std::span<const float> values) {
+    std::size_t nonzero = 0, huge = 0, usual = 0;
+    for (const float value : values) {
+        const float reversed = std::abs(bits_as<float>(__builtin_bswap32(bits_as<std::uint32_t>(value))));
+        nonzero += value != 0;
+        huge += !(std::abs(value) < 1e9f);
+        usual += reversed > 1e-9f && reversed < 1e9f;
+    }
+    if (huge > 4 && 8 * huge > nonzero && 10 * usual >= 9 * nonzero)
+        throw_tensor_error(file.file(), name, {"little-endian numbers, as safetensors stores them"},
+                           {"numbers whose bytes lie in the other order"});
+}
+
 /// Throws file_error unless all values are finite, and a variance is not negative.
 template <class T>
 void check_values(const safetensors_index& file, std::string_view name, std::span<const T> values,
@@ -81,6 +116,7 @@ void check_values(const safetensors_index& file, std::string_view name, std::spa
 }
 inline void check_values(const safetensors_index& file, std::string_view name,
                          std::span<const float> values) {
+    check_byte_order(file, name, values);
     check_values(file, name, values, name.ends_with(".running_var"));
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/layers/layer.hpp>
 #include <tactnet/networks/normalisation.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
@@ -22,6 +23,21 @@ inline std::size_t count_images(std::size_t pixels, std::size_t size) {
         throw std::invalid_argument("logits: expected images of " + std::to_string(size) + " pixels, found " +
                                     std::to_string(pixels) + " pixels");
     return pixels / size;
+}
+
+/// Throws std::invalid_argument for a network with weights of which none differs from zero.
+template <class Network>
+[[gnu::cold]] void check_trained(const char* caller, const Network& network) {
+    bool any = false, found = false;
+    network.for_each_parameter([&](const parameter& p, auto values) {
+        if (p.role == parameter_role::weight)
+            for (const auto value : values)
+                any = true, found = found || value != 0;
+    });
+    if (any && !found)
+        throw std::invalid_argument(std::string(caller) +
+                                    ": expected a trained network, found one whose weights are all zero, as "
+                                    "before training: its outputs would be the same for every frame");
 }
 
 [[gnu::cold, gnu::noinline]] inline void check_temperature(const char* caller, double temperature) {

@@ -40,13 +40,18 @@ struct matrix_stream_format {
 /// skipped. After that, a frame that does not begin with the marker, or with a float cell that is NaN,
 /// infinite or negative, is reported as damaged, and decoding continues at the next marker.
 ///
-/// Memory: one frame of four bytes per cell, and one packet.
+/// Memory: one frame of four bytes per cell, one packet, and a number for each byte of the marker. Time is
+/// linear in the bytes, whatever they are.
 class matrix_stream : public decoder_base {
 public:
     /// Throws std::invalid_argument if there are no cells, or too many cells or bytes to skip.
     explicit matrix_stream(const matrix_stream_format& format)
         : decoder_base(describe(format)), format_(format) {
         packet_.reserve(packet_size());
+        for (std::size_t n = 1, border = 0; n < format_.marker.size(); ++n) {
+            border = extended(border, format_.marker[n]);
+            borders_.push_back(border);
+        }
     }
 
     template <class Sink>
@@ -105,15 +110,24 @@ private:
                format_.skip_after;
     }
 
-    /// Drops bytes until the rest may be the beginning of a marker.
+    /// How many bytes begin a marker, of the latest of a stream that ended with the first `count` of one
+    /// before `next` came (Knuth, Morris and Pratt, 1977).
+    [[nodiscard]] std::size_t extended(std::size_t count, std::byte next) const {
+        while (count > 0 && format_.marker[count] != next)
+            count = count > 1 ? borders_[count - 2] : 0;
+        return format_.marker[count] == next ? count + 1 : 0;
+    }
+    /// Drops bytes until the rest, which began a marker before the latest byte, may begin one again.
     void find_marker() {
-        while (!std::equal(packet_.begin(), packet_.end(), format_.marker.begin())) {
-            if (in_step_)
-                report({"the marker of a frame"}, {"other bytes"});
-            in_step_ = false;
-            packet_.erase(packet_.begin());
-            ++skipped_;
-        }
+        const std::size_t before = packet_.size() - 1;
+        if (packet_.back() == format_.marker[before])
+            return;
+        if (in_step_)
+            report({"the marker of a frame"}, {"other bytes"});
+        in_step_ = false;
+        const std::size_t kept = extended(before, packet_.back());
+        skipped_ += packet_.size() - kept;
+        packet_.resize(kept); // what is kept is the beginning of the marker, wherever it stood
     }
 
     template <class Sink>
@@ -160,6 +174,8 @@ private:
 
     matrix_stream_format format_;
     std::vector<std::byte> packet_;
+    /// For each beginning of the marker of two bytes or more, how many of its last bytes begin a marker.
+    std::vector<std::size_t> borders_;
     std::size_t byte_ = 0;
     std::uint64_t skipped_ = 0;
     bool in_step_ = false; ///< just after a frame

@@ -35,6 +35,32 @@ inline constexpr auto weiss_table = [] {
     return entries;
 }();
 
+/// What follows a checksum after a byte. It is linear: the exclusive or of what follows the one, of what
+/// follows the other and of zero.
+[[nodiscard]] constexpr std::uint16_t weiss_next(std::uint16_t value, std::byte byte) noexcept {
+    return static_cast<std::uint16_t>(weiss_table[(value ^ static_cast<std::uint8_t>(byte)) & 0xFFU] ^
+                                      (value >> 8U));
+}
+
+/// The columns of a matrix of bits, times a vector.
+using weiss_matrix = std::array<std::uint16_t, 16>;
+[[nodiscard]] constexpr std::uint16_t product(const weiss_matrix& columns, std::uint16_t value) noexcept {
+    std::uint16_t sum = 0;
+    for (std::size_t bit = 0; bit < columns.size(); ++bit)
+        sum = static_cast<std::uint16_t>(sum ^ ((value >> bit & 1U) != 0 ? columns[bit] : 0U));
+    return sum;
+}
+/// What 1, 2, 4, … bytes of zero make of a checksum.
+inline constexpr auto weiss_zeros = [] {
+    std::array<weiss_matrix, 17> powers{};
+    for (std::size_t bit = 0; bit < 16; ++bit)
+        powers[0][bit] = weiss_next(static_cast<std::uint16_t>(1U << bit), std::byte{0});
+    for (std::size_t k = 1; k < powers.size(); ++k)
+        for (std::size_t bit = 0; bit < 16; ++bit)
+            powers[k][bit] = product(powers[k - 1], powers[k - 1][bit]);
+    return powers;
+}();
+
 } // namespace detail
 
 /// CRC-16 with the polynomial 1021 and the start value FFFF. As in these controllers, the table is that of
@@ -42,8 +68,7 @@ inline constexpr auto weiss_table = [] {
 [[nodiscard]] constexpr std::uint16_t weiss_checksum(std::span<const std::byte> bytes) noexcept {
     std::uint16_t value = 0xFFFF;
     for (const std::byte byte : bytes)
-        value = static_cast<std::uint16_t>(
-            detail::weiss_table[(value ^ static_cast<std::uint8_t>(byte)) & 0xFFU] ^ (value >> 8U));
+        value = detail::weiss_next(value, byte);
     return value;
 }
 
@@ -64,15 +89,17 @@ enum class weiss_coverage : std::uint8_t { whole_packet, without_preamble };
 /// has taken all its bytes: `error` describes the last damage, `damaged_packets` counts all. The checksum of
 /// these controllers does not find every pair of flipped bits.
 ///
-/// Memory: one frame of four bytes per cell and one packet of two bytes per cell and 13 more, but at least
-/// 263 and at most 65 543.
+/// Memory: one frame of four bytes per cell, and six bytes for each byte of the largest packet, which has two
+/// bytes per cell and 13 more, but at least 263 and at most 65 543. Time is linear in the bytes, whatever
+/// they are: the checksum of any part of the stream follows from those of all bytes before its ends.
 class weiss_decoder : public decoder_base {
 public:
     weiss_decoder(std::string format, const weiss_array& array, weiss_coverage coverage)
         : decoder_base(describe(std::move(format), array)),
           coverage_(coverage),
           seconds_per_tick_(array.seconds_per_tick) {
-        buffer_.reserve(header_size + largest_payload() + checksum_size);
+        buffer_.reserve(2 * largest_packet());
+        sums_.reserve(2 * largest_packet());
     }
 
     template <class Sink>
@@ -80,9 +107,13 @@ public:
         set_status(decode_status::reading);
         for (const std::byte byte : bytes) {
             buffer_.push_back(byte);
+            sums_.push_back(sum_);
+            sum_ = detail::weiss_next(sum_, byte);
             ++byte_;
-            while (!buffer_.empty() && complete(sink)) {
+            while (waiting() > 0 && complete(sink)) {
             }
+            if (waiting() == 0 || first_ >= largest_packet())
+                drop_examined();
         }
         return status();
     }
@@ -91,9 +122,10 @@ public:
     template <class Sink>
     decode_status finish(Sink&&) {
         set_status(decode_status::finished);
-        if (!buffer_.empty())
-            report(byte_, {"a whole packet"}, {buffer_.size(), " bytes of one"});
-        buffer_.clear();
+        if (waiting() > 0)
+            report(byte_, {"a whole packet"}, {waiting(), " bytes of one"});
+        first_ = buffer_.size();
+        drop_examined();
         return status();
     }
 
@@ -122,11 +154,31 @@ private:
         return std::clamp<std::size_t>(stamp_and_flags + 2 * description().cells(), 255, 0xFFFF);
     }
 
+    [[nodiscard]] std::size_t largest_packet() const {
+        return header_size + largest_payload() + checksum_size;
+    }
+    /// Bytes in the buffer that have not been examined, or not to the end.
+    [[nodiscard]] std::size_t waiting() const noexcept { return buffer_.size() - first_; }
+    void drop_examined() {
+        const auto count = static_cast<std::ptrdiff_t>(first_);
+        buffer_.erase(buffer_.begin(), buffer_.begin() + count);
+        sums_.erase(sums_.begin(), sums_.begin() + count);
+        first_ = 0;
+    }
+    /// The checksum of `count` bytes from `begin` on, counted from the first that was not examined.
+    [[nodiscard]] std::uint16_t checksum_of(std::size_t begin, std::size_t count) const noexcept {
+        auto before = static_cast<std::uint16_t>(sums_[first_ + begin] ^ 0xFFFFU);
+        for (std::size_t power = 0; power < detail::weiss_zeros.size(); ++power)
+            if ((count >> power & 1U) != 0)
+                before = detail::product(detail::weiss_zeros[power], before);
+        return static_cast<std::uint16_t>(before ^ sums_[first_ + begin + count]);
+    }
+
     /// Examines the bytes in the buffer. Returns true if it has removed some, so that the rest must be
     /// examined.
     template <class Sink>
     bool complete(Sink& sink) {
-        const std::span<const std::byte> packet(buffer_);
+        const std::span<const std::byte> packet = std::span<const std::byte>(buffer_).subspan(first_);
         const auto is_preamble = [](std::byte b) { return b == preamble; };
         if (!std::all_of(packet.begin(),
                          packet.begin() + static_cast<std::ptrdiff_t>(std::min(packet.size(), preamble_size)),
@@ -140,7 +192,7 @@ private:
         if (packet.size() < header_size + size + checksum_size)
             return false;
         const std::size_t from = coverage_ == weiss_coverage::whole_packet ? 0 : preamble_size;
-        const std::uint16_t checksum = weiss_checksum(packet.subspan(from, header_size + size - from));
+        const std::uint16_t checksum = checksum_of(from, header_size + size - from);
         const auto given = little_endian<std::uint16_t>(packet.subspan(header_size + size));
         if (given != checksum) {
             report(byte_ - packet.size(), {"a checksum of ", checksum}, {given});
@@ -150,26 +202,25 @@ private:
         if (packet[preamble_size] == frame_identifier)
             read_frame(packet.subspan(header_size, size), sink);
         // More may follow where a damaged size has reached into the packets after it.
-        buffer_.erase(buffer_.begin(),
-                      buffer_.begin() + static_cast<std::ptrdiff_t>(header_size + size + checksum_size));
+        first_ += header_size + size + checksum_size;
         in_step_ = true;
         return true;
     }
 
     bool skip_one() {
-        if (in_step_ && buffer_.front() != preamble) {
-            report(byte_ - buffer_.size(), {"a packet"}, {"other bytes"});
+        if (in_step_ && buffer_[first_] != preamble) {
+            report(byte_ - waiting(), {"a packet"}, {"other bytes"});
             in_step_ = false;
         }
         ++skipped_;
-        buffer_.erase(buffer_.begin());
+        ++first_;
         return true;
     }
 
     template <class Sink>
     void read_frame(std::span<const std::byte> payload, Sink& sink) {
         const std::size_t size = description().cells();
-        const std::size_t start = byte_ - buffer_.size();
+        const std::size_t start = byte_ - waiting();
         if (payload.size() < stamp_and_flags)
             return report(start, {"a frame with a time stamp"}, {payload.size(), " bytes"});
         const auto stamp = little_endian<std::uint32_t>(payload);
@@ -198,6 +249,9 @@ private:
     weiss_coverage coverage_;
     double seconds_per_tick_;
     std::vector<std::byte> buffer_;
+    std::vector<std::uint16_t> sums_; ///< of all bytes before each of the buffer, from 0 on
+    std::size_t first_ = 0;           ///< the first of the buffer that has not been examined
+    std::uint16_t sum_ = 0;
     std::size_t byte_ = 0;
     std::uint64_t damaged_ = 0, skipped_ = 0;
     bool in_step_ = false; ///< after a whole packet, perhaps with more preamble

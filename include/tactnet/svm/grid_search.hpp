@@ -24,8 +24,8 @@ struct search_grid {
 /// The outcome of a grid search.
 template <svm_kernel Kernel>
 struct grid_search_result {
-    /// Share of samples recognised by machines that have not seen them: a row for each kernel, in it one
-    /// value for each cost.
+    /// Share of samples recognised by machines that have not seen them, in the order of the grid: that of
+    /// kernels[k] with costs[c] is accuracies[k * costs.size() + c].
     std::vector<double> accuracies;
     /// The best kernel; the first of equal ones.
     Kernel kernel;

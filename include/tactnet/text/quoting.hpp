@@ -4,6 +4,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -37,6 +40,23 @@ constexpr bool is_printable(std::string_view text) noexcept {
 }
 
 namespace detail {
+
+/// Why these cannot be the names of classes, with the name; empty if they can. Each must be there once, be
+/// UTF-8 and have no control characters.
+[[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::string
+problem_of_names(std::span<const std::string> names) {
+    std::map<std::string, std::string, std::less<>> seen; // a type that headers of files have compiled
+    for (const std::string& name : names) {
+        if (name.empty())
+            return "an empty name";
+        if (!is_printable(name))
+            return joined({quoted{name}});
+        if (!seen.insert({name, std::string()}).second)
+            return joined({quoted{name}, " twice"});
+    }
+    return {};
+}
+inline constexpr const char* expected_names = "names without control characters, each once";
 
 /// Appends the character of a code of at most U+10FFFF.
 [[gnu::cold]] inline void append_utf8(std::string& text, std::uint32_t code) {

@@ -57,6 +57,19 @@ public:
     borrowed_span(const Range&&) = delete;
 };
 
+/// The pixels of images as counts. Floats are refused with a hint at labelled_features.
+class image_pixels : public borrowed_span<const std::uint8_t> {
+public:
+    using borrowed_span<const std::uint8_t>::borrowed_span;
+    template <class Range>
+        requires std::is_convertible_v<Range, std::span<const float>>
+    constexpr image_pixels(Range&&) {
+        static_assert(sizeof(Range) == 0,
+                      "labelled_images: images are 8-bit counts (std::uint8_t); for floats, such "
+                      "as features or filtered values, use labelled_features");
+    }
+};
+
 namespace detail {
 
 template <shape Taken, shape Seen>
@@ -101,7 +114,7 @@ struct images_as_taken {
 /// Images of one size as 8-bit counts, and the class of each. The pixels are contiguous: a vector of bytes,
 /// or of a std::array for each image. A view.
 struct labelled_images {
-    borrowed_span<const std::uint8_t> pixels;
+    image_pixels pixels;
     borrowed_span<const std::size_t> labels;
     std::size_t classes = 0;
     images_as_taken taken{}; ///< the images that they were reduced from, if any

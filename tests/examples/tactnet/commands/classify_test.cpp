@@ -30,6 +30,8 @@ TEST_SUITE("program") {
         writer.metadata = {{"rows", "of a table"}}; // another program's word
         writer.write(shop / "bare");
         tactnet::write_file(shop / "names", "one\ntwo\n");
+        tactnet::write_file(shop / "three", "\xEF\xBB\xBFone\r\none plus\r\nthree\r\n");
+        tactnet::write_file(shop / "twice", "one\ntwo\none\n");
         shop.refuses_each({
             {"classify IMAGE --weights nothing", "nothing: expected a file, found nothing of that name"},
             {"classify IMAGE --weights net --method tactnet6",
@@ -46,7 +48,11 @@ TEST_SUITE("program") {
              "'conv4.bias' of 64, "},
             {"classify IMAGE --weights net --classes names",
              "names: expected 3 class names, as net has, found 2"},
+            {"classify IMAGE --weights net --classes twice",
+             "twice: expected names without control characters, each once, found 'one' twice"},
         });
+        shop.succeeds("export --weights net --output three.hpp --classes three");
+        says(shop.text("three.hpp"), "    \"one\",\n    \"one plus\",\n");
         const words bare("classify IMAGE --weights bare --method tactnet4 --rows 7 --columns 13");
         says(shop.run(bare).out, ",class_00,");
         says(shop.run(bare + "--classes DATA").out, ",left,");
@@ -119,7 +125,7 @@ TEST_SUITE("program") {
             {{"export", "--weights", "net", "--output", "x.hpp", "--classes", ""},
              "--classes: expected a file or a folder of names, found ''"},
             {"export --weights net --output x.hpp --classes names",
-             "names: name 2: expected a name without control characters, found 'tw\\x1b[31mo'"},
+             "names: expected names without control characters, each once, found 'tw\\x1b[31mo'"},
             {"export --weights net --output pipe", "expected a regular file, found a named pipe"},
             {"export --weights nothing --output x.hpp",
              "nothing: expected a file, found nothing of that name"},
