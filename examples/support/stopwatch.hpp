@@ -18,11 +18,12 @@ private:
 };
 
 /// The median of nine timings of at least 10 ms each, of fewer where they take half a second together, in
-/// microseconds a call. A clock that stands still or runs backwards measures nothing, and soon ends as well.
+/// microseconds a call. At most eleven times `most_calls` calls, so that a clock that stands still, runs
+/// backwards or is slow ends as well.
 template <class Work>
-double median_microseconds(const Work& work) {
+double median_microseconds(const Work& work, std::size_t most_calls = std::size_t{1} << 17) {
     constexpr double shortest = 0.01, enough = 0.5;
-    constexpr std::size_t most = 9, most_calls = std::size_t{1} << 17, clock_must_have_moved = 1024;
+    constexpr std::size_t most = 9, clock_must_have_moved = 1024;
     const auto seconds_for = [&](std::size_t calls) {
         const stopwatch watch;
         for (std::size_t i = 0; i < calls; ++i)
@@ -34,7 +35,7 @@ double median_microseconds(const Work& work) {
         const double seconds = seconds_for(calls);
         if (seconds >= shortest || (seconds <= 0 && calls >= clock_must_have_moved))
             break;
-        calls *= 2;
+        calls = std::min(2 * calls, most_calls);
     }
     std::vector<double> times;
     double all = 0;

@@ -186,7 +186,7 @@ std::string clock_library(const programs& which) {
 }
 
 void set_the_clock(scene& s, std::size_t number) {
-    constexpr std::array modes{"still", "backwards", "leaps", "early", "late", "refused"};
+    constexpr std::array modes{"still", "backwards", "leaps", "slow", "early", "late", "refused"};
     std::vector<job> all = jobs(s.made);
     conditions under;
     under.clock = modes[number % modes.size()];

@@ -1,4 +1,4 @@
-# How the library responds to the compiler's options: an older language gets one sentence, and where there are no vectors it
+# How the library responds to the compiler's options: an older language or compiler gets one sentence, and where there are no vectors it
 # does without, and without xsimd, even without TACTNET_NO_SIMD.
 #
 # cmake -DCOMPILERS=a|b -DARMHF=<compiler for 32-bit ARM, or nothing> -DINCLUDE=<folder that holds tactnet/> \
@@ -12,9 +12,15 @@ foreach(header IN ITEMS tactnet training sensors version)
     set(source "${FOLDER}/older_language_${header}.cpp")
     file(WRITE "${source}" "#include <tactnet/${header}.hpp>\nint main() {}\n")
     foreach(compiler IN LISTS COMPILERS)
-        foreach(standard IN ITEMS c++11 c++17)
+        # The last ones: a compiler that is too old, though it knows the language.
+        foreach(
+            standard IN
+            ITEMS c++11 c++17
+                  "c++20 -U__GNUC__ -D__GNUC__=11 -U__clang_major__ -D__clang_major__=13"
+        )
+            separate_arguments(options UNIX_COMMAND "-std=${standard}")
             execute_process(
-                COMMAND "${compiler}" -std=${standard} "-I${INCLUDE}" -fsyntax-only "${source}"
+                COMMAND "${compiler}" ${options} "-I${INCLUDE}" -fsyntax-only "${source}"
                 RESULT_VARIABLE status
                 OUTPUT_VARIABLE output
                 ERROR_VARIABLE output

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <memory>
 #include <new>
+#include <stdexcept>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -30,6 +31,32 @@ TEST_CASE("thread_pool: every index once, for any count and number of threads") 
             CHECK(std::all_of(visits.begin(), visits.end(), [](const auto& n) { return n == 1; }));
         }
     }
+}
+
+TEST_CASE("thread_pool: a call within a call, or of a second thread, is an error and does not hang") {
+    thread_pool pool(3);
+    for (std::size_t caller = 0; caller < 3; ++caller)
+        CHECK_THROWS_WITH_AS(pool.on_each_thread([&](thread_pool::share part) {
+            if (part.index == caller)
+                pool.for_each(2, [](std::size_t) {});
+        }),
+                             doctest::Contains("thread_pool: expected one call at a time"), std::logic_error);
+    std::atomic<bool> inside{false}, tried{false};
+    std::thread other([&] {
+        while (!inside)
+            std::this_thread::yield();
+        CHECK_THROWS_AS(pool.on_each_thread([](thread_pool::share) {}), std::logic_error);
+        tried = true;
+    });
+    pool.on_each_thread([&](thread_pool::share) {
+        inside = true;
+        while (!tried)
+            std::this_thread::yield();
+    });
+    other.join();
+    std::atomic<int> calls{0}; // it works as before
+    pool.for_each(100, [&](std::size_t) { ++calls; });
+    CHECK(calls == 100);
 }
 
 TEST_CASE("thread_pool: shares follow each other and are equal but for one") {

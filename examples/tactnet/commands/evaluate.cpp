@@ -102,12 +102,14 @@ int evaluate(const evaluate_options& o) {
         std::filesystem::remove(list, ignored);
     }
     result_list results(list);
-    const std::vector<task> all = tasks_of(candidates, plan);
+    std::vector<task> all = tasks_of(candidates, plan);
+    if (o.elsewhere)
+        static_cast<void>(take_from_elsewhere(all, results, false)); // which warns of them
     if (!train_all(all, o.jobs, results))
         return interrupted_by_user;
     stay_on_this_core();
     report(o, candidates, rows_of(candidates, plan, all, results, [](const method& what, std::size_t bits) {
-               return measure_latency(what.make_work(bits), what.frames_together());
+               return measure_latency(what, bits);
            }));
     return success;
 }

@@ -83,28 +83,6 @@ std::vector<timed_form> forms_of(const candidate_list& candidates) {
     return forms;
 }
 
-/// For a report that trains nothing: trainings of other versions and instruction sets take the place of those
-/// that this program has not made. Returns which, in words.
-std::string take_from_elsewhere(std::vector<task>& tasks, const result_list& results) {
-    std::set<std::string> programs;
-    std::size_t count = 0;
-    for (task& t : tasks) {
-        const training_result* found = results.find_elsewhere(t.settings);
-        if (found == nullptr) // in 8 bits it was not
-            found = results.find_elsewhere(in_single_precision(t.settings));
-        if (found == nullptr || results.find(t.settings) != nullptr)
-            continue;
-        for (const char* key : {"library", "instruction_set"})
-            t.settings[key] = found->settings.at(key);
-        programs.insert(
-            fmt::format("tactnet {} for {}", t.settings["library"], t.settings["instruction_set"]));
-        ++count;
-    }
-    return count == 0
-               ? ""
-               : fmt::format("{} of {} trainings are by {}", count, tasks.size(), fmt::join(programs, ", "));
-}
-
 std::string text_of(const tactnet::file_metadata& program) {
     return fmt::format("{}, {}, {}; tactnet {}", program.at("processor"), program.at("compiler"),
                        program.at("instruction_set"), program.at("library"));
@@ -121,6 +99,7 @@ void tell_found(const candidate_list& candidates, const std::vector<task>& all, 
     tell("{}{} of {} trainings are there, {} of {} methods are timed\n",
          trained < std::ssize(all) || timed < std::ssize(forms) ? "warning: " : "", trained, all.size(),
          timed, forms.size());
+    tell_others(all, results);
     if (timings.others())
         tell("warning: times are by another program: {}\n", printable(text_of(timings.shown())));
 }
@@ -141,7 +120,7 @@ bool time_all(const candidate_list& candidates, timing_list& timings, const std:
     for (const auto& [what, bits] : missing) {
         if (interrupted())
             return false;
-        const frame_latency found = measure_latency(what->make_work(bits), what->frames_together());
+        const frame_latency found = measure_latency(*what, bits);
         timings.add(*what, bits, found);
         ++done;
         line.show(fmt::format("{} of {} methods timed: {} {}{}, {:.1f} µs", done, missing.size(), what->name,
@@ -182,11 +161,10 @@ int study(const study_options& o) {
     load_candidates(candidates, o.data);
     result_list results(folder / "evaluation.jsonl");
     std::vector<task> all = tasks_of(candidates, splits);
-    std::string elsewhere;
     std::vector<std::string> diverged;
-    if (o.report_only)
-        elsewhere = take_from_elsewhere(all, results);
-    else if (!train_all(all, o.jobs, results, &diverged))
+    const std::string elsewhere =
+        o.report_only || o.elsewhere ? take_from_elsewhere(all, results, o.report_only) : "";
+    if (!o.report_only && !train_all(all, o.jobs, results, &diverged))
         return interrupted_by_user;
     for (const std::string& what : diverged)
         tell("{}\n", printable(what));
@@ -195,8 +173,6 @@ int study(const study_options& o) {
     if (o.report_only) {
         timings.show_latest();
         tell_found(candidates, all, results, timings);
-        if (!elsewhere.empty())
-            tell("warning: {}, not by this program\n", printable(elsewhere));
     } else if (!time_all(candidates, timings, folder)) {
         tell("stopped; the same command goes on with what is left\n");
         return interrupted_by_user;

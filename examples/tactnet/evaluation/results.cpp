@@ -1,10 +1,15 @@
 #include "evaluation/results.hpp"
 
+#include "methods/description.hpp"
+
 #include <tactnet/decision/fitting.hpp>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <set>
 
 namespace {
 
@@ -55,6 +60,8 @@ training_result result_of(const std::string& text) {
     const json line = json::parse(text);
     training_result r;
     r.settings = line.at("settings").get<tactnet::file_metadata>();
+    if (const auto found = r.settings.find("instruction_set"); found != r.settings.end())
+        found->second = float_instruction_set(found->second); // before version 0.4, whole
     r.validation_accuracy = number_in(line.at("validation_accuracy"));
     r.training_accuracy = number_in(line.at("training_accuracy"));
     r.reflected_accuracy = number_in(line.at("reflected_accuracy"));
@@ -104,6 +111,45 @@ const training_result* result_list::find(const tactnet::file_metadata& settings)
 const training_result* result_list::find_elsewhere(const tactnet::file_metadata& settings) const {
     const auto found = elsewhere_.find(without_program(settings));
     return found == elsewhere_.end() ? nullptr : find(found->second);
+}
+
+std::string result_list::others(const std::vector<tactnet::file_metadata>& wanted) const {
+    std::set<tactnet::file_metadata> known;
+    std::map<std::string, const tactnet::file_metadata*> by_method;
+    const auto method_of = [](const tactnet::file_metadata& settings) {
+        std::string name;
+        for (const char* key : {"network", "rows", "columns"})
+            if (const auto found = settings.find(key); found != settings.end())
+                name += found->second + ' ';
+        return name;
+    };
+    for (const tactnet::file_metadata& settings : wanted) {
+        known.insert(without_program(in_single_precision(settings)));
+        by_method.try_emplace(method_of(settings), &settings);
+    }
+    std::set<std::string> reasons;
+    std::size_t count = 0;
+    for (const auto& [settings, result] : results_) {
+        if (settings.contains("bits") || known.contains(without_program(settings)))
+            continue;
+        ++count;
+        const auto near = by_method.find(method_of(settings));
+        if (near == by_method.end()) {
+            reasons.insert("method or size");
+            continue;
+        }
+        const tactnet::file_metadata one = without_program(settings),
+                                     other = without_program(in_single_precision(*near->second));
+        const std::size_t before = reasons.size();
+        for (const auto& [a, b] : {std::pair(&one, &other), {&other, &one}})
+            for (const auto& [key, value] : *a)
+                if (const auto same = b->find(key);
+                    key != "seed" && key != "split" && (same == b->end() || same->second != value))
+                    reasons.insert(key);
+        if (reasons.size() == before && one != other)
+            reasons.insert("seed or split");
+    }
+    return count == 0 ? "" : fmt::format("{} others lie there, of other {}", count, fmt::join(reasons, ", "));
 }
 
 void result_list::add(training_result result) {

@@ -57,6 +57,9 @@ public:
     }
     /// The result of the same training by another version or for another instruction set, or nothing.
     const training_result* find_elsewhere(const tactnet::file_metadata& settings) const;
+    /// How many results in single precision are of no training that is wanted, whoever made it, and in which
+    /// settings they differ; empty without any.
+    std::string others(const std::vector<tactnet::file_metadata>& wanted) const;
     /// Reads what other programs have added since. Throws tactnet::file_error.
     void read_on();
     /// Keeps a result, on the disk before anything else. Other programs may add to the same file.

@@ -206,6 +206,45 @@ void add_evaluation_options(CLI::App& app, evaluation_options& o) {
     add_option(app, "--splits", o.splits, whole_number(1, 10'000), "Splits of each kind");
     add_option(app, "--jobs,--threads", o.jobs, whole_number(1, 1024),
                "Trainings at the same time; the results do not depend on it (default: one per core)");
+    app.add_flag(
+        "--elsewhere", o.elsewhere,
+        "Take trainings that another version or instruction set made, where this program has made none, "
+        "in place of training; they may differ in a few images");
+}
+
+std::string take_from_elsewhere(std::vector<task>& tasks, const result_list& results, bool in_part) {
+    std::set<std::string> programs;
+    std::size_t count = 0;
+    for (task& t : tasks) {
+        const training_result* found = results.find_elsewhere(t.settings);
+        if (found == nullptr && in_part) // in 8 bits it was not
+            found = results.find_elsewhere(in_single_precision(t.settings));
+        if (found == nullptr || results.find(t.settings) != nullptr)
+            continue;
+        tactnet::file_metadata settings = t.settings;
+        for (const char* key : {"library", "instruction_set"})
+            settings[key] = found->settings.at(key);
+        if (!in_part && !results.has(settings))
+            continue;
+        t.settings = std::move(settings);
+        programs.insert(
+            fmt::format("tactnet {} for {}", t.settings["library"], t.settings["instruction_set"]));
+        ++count;
+    }
+    const std::string words = count == 0 ? ""
+                                         : fmt::format("{} of {} trainings are by {}", count, tasks.size(),
+                                                       fmt::join(programs, ", "));
+    if (count > 0)
+        tell("warning: {}, not by this program\n", printable(words));
+    return words;
+}
+
+void tell_others(const std::vector<task>& tasks, const result_list& results) {
+    std::vector<tactnet::file_metadata> wanted;
+    for (const task& t : tasks)
+        wanted.push_back(t.settings);
+    if (const std::string others = results.others(wanted); !others.empty())
+        tell("{}\n", printable(others));
 }
 
 std::vector<tactnet::split_rule> rules_of(const std::string& names) {
@@ -259,6 +298,14 @@ bool train_all(const std::vector<task>& all, std::size_t jobs, result_list& resu
         }
     tell("{} trainings to do, of {} in all ({})\n", to_do.size(), all.size(),
          printable(results.path().string()));
+    const auto of_others = std::ranges::count_if(
+        to_do, [&](const task& t) { return results.find_elsewhere(t.settings) != nullptr; });
+    if (of_others > 0)
+        tell("{} of these lie there, made by another version or for another instruction set than {}; to take "
+             "them, add --elsewhere\n",
+             of_others, to_do.front().settings.at("instruction_set"));
+    if (!to_do.empty())
+        tell_others(all, results);
     catch_interrupts();
     tactnet::thread_pool pool(with_features.empty() ? 1 : jobs);
     const bool prepared = std::ranges::all_of(with_features, [&](const candidate* c) {

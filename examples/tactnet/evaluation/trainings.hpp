@@ -40,8 +40,9 @@ struct split_plan {
 struct evaluation_options {
     std::string data, results = "results", split = "both";
     std::size_t splits = 10, jobs = std::max(1U, std::thread::hardware_concurrency());
+    bool elsewhere = false; ///< trainings by other programs take the place of those that are missing
 };
-/// --data, --results, --split, --splits and --jobs.
+/// --data, --results, --split, --splits, --jobs and --elsewhere.
 void add_evaluation_options(CLI::App& app, evaluation_options& options);
 
 /// The rules of "random", "blocked" or "both".
@@ -54,6 +55,13 @@ void load_candidates(candidate_list& list, const std::filesystem::path& data);
 
 /// All trainings of the plan, split by split, so that early results say something of every candidate.
 std::vector<task> tasks_of(const candidate_list& candidates, const split_plan& plan);
+
+/// Trainings of other versions and instruction sets take the place of those that this program has not made;
+/// of one in 8 bits that in single precision alone only if `in_part`. Returns which, in words, and warns of
+/// them.
+std::string take_from_elsewhere(std::vector<task>& tasks, const result_list& results, bool in_part);
+/// Says how many results in the folder are of no task, and why.
+void tell_others(const std::vector<task>& tasks, const result_list& results);
 
 /// Does the trainings that have no results yet, `jobs` at a time, shared with other programs on that file.
 /// First keeps features of frozen networks in its folder. False if interrupted. Trainings that diverge are

@@ -120,8 +120,12 @@ void add_picture(std::vector<named_file>& outputs, const std::string& option, co
 
 void make_folder_of(const fs::path& path) {
     std::error_code code;
+    const fs::path folder = path.parent_path();
+    const bool several = folder.has_parent_path() && !fs::exists(folder.parent_path(), code);
     if (path.has_parent_path())
-        fs::create_directories(path.parent_path(), code);
+        fs::create_directories(folder, code);
     if (code)
-        refuse("{}: expected to make the folder, found '{}'", path.parent_path().string(), code.message());
+        refuse("{}: expected to make the folder, found '{}'", folder.string(), code.message());
+    if (several) // perhaps a slip of the pen, or a disk that is not mounted
+        tell("{}: made this folder and those above it, which were not there\n", printable(folder.string()));
 }

@@ -157,6 +157,18 @@ tactnet::file_metadata describe_program() {
     };
 }
 
+std::string float_instruction_set(std::string name) {
+    // Of integers and bytes alone, whose results are exact.
+    for (const std::string_view part :
+         {"_bmi2", "_lzcnt", "_cd", "_vbmi", "_vnni", "_avxvnni", "_dotprod", "_dsp"})
+        for (std::size_t at = 0; (at = name.find(part, at)) != std::string::npos;)
+            if (const std::size_t end = at + part.size(); end == name.size() || name[end] == '_')
+                name.erase(at, part.size());
+            else
+                at = end;
+    return name;
+}
+
 tactnet::file_metadata describe_method(const method& what, const tactnet::recipe& recipe) {
     tactnet::file_metadata all = what.parts();
     if (what.is_network())
@@ -178,6 +190,7 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
         {"test_share", fmt::to_string(s.shares.test)},
     };
     all.merge(describe_program());
+    all["instruction_set"] = float_instruction_set(all["instruction_set"]);
     if (s.bits == 8)
         all["bits"] = "8";
     if (!s.start.empty())

@@ -21,6 +21,9 @@ std::string pretrained_fingerprint(const std::string& path);
 /// What decides how this program rounds: its version, and the instruction set that it was compiled for, as
 /// the library names it, for example simd_avx2_fma. A name with sse2 or scalar shows a forgotten -march.
 tactnet::file_metadata describe_program();
+/// The name of an instruction set without the parts that cannot change a bit of a training: those of
+/// integers.
+std::string float_instruction_set(std::string name);
 
 /// All that decides what comes of a training, apart from images, split and seed.
 tactnet::file_metadata describe_method(const method& what, const tactnet::recipe& recipe);

@@ -18,9 +18,9 @@ namespace {
 
 /// Microseconds of each of many calls, sorted.
 template <class Work>
-std::vector<double> times_of(const Work& work) {
+std::vector<double> times_of(const Work& work, std::size_t most) {
     constexpr double enough = 0.4; // seconds
-    constexpr std::size_t fewest = 5, most = 20'000;
+    constexpr std::size_t fewest = 5;
     for (std::size_t i = 0; i < 3; ++i) // caches and branch predictors
         work();
     std::vector<double> times;
@@ -55,12 +55,12 @@ double positive(double measured) {
     return measured;
 }
 
-double jitter_over(double microseconds) {
+double jitter_over(double microseconds, std::size_t most_calls) {
     constexpr std::uint64_t tried = 100'000;
     constexpr double most = 1e9; // steps: about a second
-    const double each = positive(median_microseconds([] { spin(tried); })) / static_cast<double>(tried);
+    const double each = positive(median_microseconds([] { spin(tried); }, 1024)) / static_cast<double>(tried);
     const auto steps = static_cast<std::uint64_t>(std::clamp(microseconds / each, 1.0, most));
-    const std::vector<double> times = times_of([&] { spin(steps); });
+    const std::vector<double> times = times_of([&] { spin(steps); }, most_calls);
     return positive(quantile(times, 0.99)) / positive(quantile(times, 0.5));
 }
 
@@ -119,13 +119,19 @@ void stay_on_this_core() {
 #endif
 }
 
-frame_latency measure_latency(const frame_work& work, std::size_t together) {
-    const std::vector<double> times = times_of([&] { work(1); });
+frame_latency measure_latency(const method& what, std::size_t bits) {
+    const frame_work work = what.make_work(bits);
+    const std::size_t together = what.frames_together(),
+                      multiply_adds = std::max<std::size_t>(what.costs(what.capacity).multiply_adds, 1),
+                      most = std::clamp<std::size_t>((std::size_t{1} << 35) / multiply_adds, 64, 20'000);
+    const std::vector<double> times = times_of([&] { work(1); }, most);
     frame_latency found;
     found.median = positive(quantile(times, 0.5));
     found.p99 = quantile(times, 0.99);
-    found.jitter = jitter_over(found.median);
-    found.in_batch = positive(median_microseconds([&] { work(together); })) / static_cast<double>(together);
+    found.jitter = jitter_over(found.median, most);
+    found.in_batch =
+        positive(median_microseconds([&] { work(together); }, std::max<std::size_t>(most / together, 1))) /
+        static_cast<double>(together);
     return found;
 }
 

@@ -20,8 +20,9 @@ struct frame_latency {
 /// Keeps the calling thread, and those that it starts, on the core where it is, if the system does that.
 void stay_on_this_core();
 
-/// Takes about a second, or five frames where they take longer.
-frame_latency measure_latency(const frame_work& work, std::size_t together);
+/// Takes about a second, or five frames where they take longer; with a clock that is too slow, as long as
+/// some 10¹¹ multiply-adds take.
+frame_latency measure_latency(const method& what, std::size_t bits);
 
 class timing_list {
 public:

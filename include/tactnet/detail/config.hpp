@@ -2,7 +2,8 @@
 
 #include <tactnet/version.hpp>
 
-#if __cplusplus < 202002L
+// Their libraries lack parts of C++20 that they promise.
+#if __cplusplus < 202002L || (defined(__clang__) ? __clang_major__ < 14 : defined(__GNUC__) && __GNUC__ < 12)
 #error "tactnet needs C++20: GCC 12, Clang 14 or newer with -std=c++20"
 // A missing file stops the compilation, so that the sentence above is the last one.
 #include <tactnet_needs_cxx20>

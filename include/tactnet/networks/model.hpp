@@ -1,8 +1,8 @@
 #pragma once
 
-#include <tactnet/layers/layer.hpp>
 #include <tactnet/networks/normalisation.hpp>
 #include <tactnet/networks/recognition.hpp>
+#include <tactnet/operators/layer.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 
 #include <cstddef>

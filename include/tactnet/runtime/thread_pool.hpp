@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -40,9 +41,10 @@ public:
 
     using share = work_share;
 
-    /// Calls body(share) on each thread; the body must not call the pool. If bodies throw, the other shares
-    /// still run to their ends, then the exception of the lowest share is rethrown, so that this does not
-    /// depend on timing either. The pool stays usable; what the bodies wrote is in an unspecified state.
+    /// Calls body(share) on each thread. If bodies throw, the other shares still run to their ends, then the
+    /// exception of the lowest share is rethrown, so that this does not depend on timing either. The pool
+    /// stays usable; what the bodies wrote is in an unspecified state. Throws std::logic_error while the pool
+    /// of several threads is in a call already: of a body, or of another thread.
     template <class Body>
     void on_each_thread(const Body& body) {
         share_out(code_of<Body>, &body);
@@ -79,9 +81,10 @@ private:
     [[gnu::noinline]] void share_out(void (*code)(const void*, share), const void* body) {
         if (threads_ == 1)
             return code(body, share{0, 1});
+        if (std::size_t idle = 0; !busy_.compare_exchange_strong(idle, threads_, std::memory_order_acquire))
+            throw_in_use();
         body_ = body;
         call_ = code;
-        busy_.store(threads_, std::memory_order_relaxed);
         announce();
         try {
             code(body, share{0, threads_});
@@ -94,6 +97,12 @@ private:
         busy_.store(0, std::memory_order_release); // from here on the pool may be destroyed
         if (problem)
             std::rethrow_exception(problem);
+    }
+
+    [[noreturn]] [[gnu::cold, gnu::noinline]] static void throw_in_use() {
+        throw std::logic_error(
+            "thread_pool: expected one call at a time, found one within another, or of two "
+            "threads: give each caller a pool of its own");
     }
 
     // Layers follow each other within microseconds: a short spin avoids the scheduler.

@@ -186,5 +186,8 @@ TEST_SUITE("program") {
         const double found = median_microseconds([] {});
         CHECK(found >= 0);
         CHECK(found < 1);
+        std::size_t calls = 0; // with a clock of any speed
+        median_microseconds([&] { ++calls; }, 100);
+        CHECK(calls <= 1100);
     }
 }

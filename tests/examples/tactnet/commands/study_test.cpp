@@ -4,6 +4,8 @@
 
 #include <tactnet/io/safetensors/json_checksum.hpp>
 
+#include <methods/description.hpp>
+
 using namespace support;
 
 namespace {
@@ -116,8 +118,40 @@ TEST_SUITE("program") {
         says(report.error, "warning: times are by another program: ");
         says(shop.text("s/study.md"), whose);
         says(shop.text("s/study.md"), "scalar_sse2; tactnet 0.0.9");
-        // A study that trains takes none of them.
-        says(shop.succeeds(study("s")).error, "8 trainings to do, of 8 in all");
+        // A study that trains takes them if asked, and names them otherwise.
+        const outcome taken = shop.succeeds(study("s --elsewhere"));
+        says(taken.error, "warning: " + whose);
+        says(taken.error, "0 trainings to do, of 8 in all");
+        const outcome again = shop.succeeds(study("s"));
+        says(again.error, "8 trainings to do, of 8 in all");
+        says(again.error,
+             "8 of these lie there, made by another version or for another instruction set than ");
+    }
+
+    TEST_CASE("study: instructions of integers leave a training what it is; other settings are named") {
+        const workshop shop;
+        const words evaluate("evaluate --data DATA --method svm-linear --rows 7 --columns 13 --splits 2 "
+                             "--results r");
+        shop.succeeds(evaluate);
+        std::string lines;
+        for (const std::string& line : shop.lines("r/evaluation.jsonl")) {
+            const std::string plain = plain_line(line), key = "\"instruction_set\":\"";
+            const std::size_t end = plain.find('"', plain.find(key) + key.size());
+            lines +=
+                tactnet::with_checksum(plain.substr(0, end) + "_vnni_avxvnni" + plain.substr(end)) + '\n';
+        }
+        tactnet::write_file(shop / "r/evaluation.jsonl", lines);
+        says(shop.succeeds(evaluate).error, "0 trainings to do, of 4 in all");
+        const outcome other = shop.succeeds(evaluate + "--test 0.4");
+        says(other.error, "4 trainings to do, of 4 in all");
+        says(other.error, "4 others lie there, of other test_share\n");
+    }
+
+    TEST_CASE("float_instruction_set: without the parts that compute integers") {
+        CHECK(float_instruction_set("simd_avx512f_fma_bmi2_lzcnt_cd_dq_bw_vl_vbmi_vnni_avxvnni") ==
+              "simd_avx512f_fma_dq_bw_vl");
+        CHECK(float_instruction_set("simd_avx2_fma_fma4_l1_32") == "simd_avx2_fma_fma4_l1_32");
+        CHECK(float_instruction_set("simd_neon64_dotprod") == "simd_neon64");
     }
 
     TEST_CASE("study: what it cannot take is said") {
