@@ -55,6 +55,7 @@ void take_resources(scene& s, std::size_t number);
 void set_the_clock(scene& s, std::size_t number);
 void ask_for_nonsense(scene& s, std::size_t number);
 void name_strange_files(scene& s, std::size_t number);
+void say_hostile_things(scene& s, std::size_t number);
 
 /// Mounts a small disk for `fill_the_disk`, away from everyone else; why not, if not.
 std::string small_disk(const programs& which);
