@@ -1,4 +1,4 @@
-#include <tactnet/deployment/deploy.hpp>
+#include <tactnet/deployment.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/save_model.hpp>

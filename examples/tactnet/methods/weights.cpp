@@ -3,10 +3,12 @@
 #include "console.hpp"
 #include "data/input_file.hpp"
 #include "methods/description.hpp"
+#include "methods/networks/compiled.hpp"
 #include "methods/registry.hpp"
 #include "methods/trunks/compiled.hpp"
 #include "number_options.hpp"
 
+#include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/text/quoting.hpp>
 
 #include <system_error>
