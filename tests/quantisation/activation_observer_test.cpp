@@ -1,7 +1,9 @@
+#include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/quantisation/activation_observer.hpp>
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -23,13 +25,15 @@ detail::calibration_graph description() {
     const std::size_t frame = net.add_map({1, 2}, 0), sums = net.add_map({1, 1, 2}, 1),
                       rectified = net.add_map({1, 1, 2}, 1),
                       outputs = net.add_map({1, 1, 2}, detail::calibration_graph::none);
-    detail::graph_node first{.window = {{1, 2}, extent2d(1, 2), 1}, .filters = 2, .input = frame};
-    first.output = sums, first.from = {1, 2}, first.to = {1, 1, 2}, first.folded = 4;
-    detail::graph_node second{.reference = detail::reference_activation<relu_function>, .input = sums};
-    second.output = rectified, second.from = second.to = {1, 1, 2};
-    detail::graph_node third{.window = {{1, 1, 2}, extent2d(1, 1), 1}, .filters = 2, .input = rectified};
-    third.output = outputs, third.from = third.to = {1, 1, 2}, third.folded = 12;
-    net.nodes = {first, second, third};
+    static constexpr kernels::frame_convolution first{
+        .window = {{1, 2}, extent2d(1, 2), 1}, .filters = 2, .input_stride = 1},
+        third{.window = {{1, 1, 2}, extent2d(1, 1), 1}, .filters = 2, .input_stride = 2};
+    const auto rectify = [](const float*, const float* in, const float*, float* out) {
+        out[0] = std::max(in[0], 0.0f), out[1] = std::max(in[1], 0.0f);
+    };
+    net.nodes = {{.convolution = &first, .input = frame, .output = sums, .folded = 4},
+                 {.reference = rectify, .input = sums, .output = rectified},
+                 {.convolution = &third, .input = rectified, .output = outputs, .folded = 12}};
     return net;
 }
 /// The mean frame, what words hold, then weights [filter][tap], biases, scales of each convolution.
@@ -53,7 +57,10 @@ TEST_CASE("activation_observer: the least and the largest number of all maps of 
 
 TEST_CASE("activation_observer: where a softmax ends the network, outputs are probabilities") {
     detail::calibration_graph net = description();
-    net.softmax = detail::reference_softmax;
+    const auto softmax = [](const float*, const float*, const float*, float* out) {
+        kernels::softmax_of<float>(std::span<const float>(out, 2), std::span(out, 2));
+    };
+    net.nodes.push_back({.reference = softmax, .input = 3, .output = 3});
     const detail::activation_observer seen(net, folded, 0.5f, std::vector<float>{16, 18, 0, 24});
     // Of scores (1, 1) and (−6, 6). Each of the exponential, the sum and the quotient is rounded once or
     // twice: 8 roundings of 2⁻²⁴.

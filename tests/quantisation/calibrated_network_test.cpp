@@ -131,10 +131,10 @@ detail::calibration_graph chain_description() {
     net.ranges = 4; // of which no map has the second
     std::size_t map = net.add_map({1, 1}, 0), folded = places;
     for (const std::size_t range : {std::size_t{1}, std::size_t{3}, detail::calibration_graph::none}) {
-        detail::graph_node step{.reference = [](const detail::graph_node&, const float*, const float* in,
-                                                float* out) { *out = 2 * *in; },
-                                .input = map};
-        step.from = step.to = {1, 1}, step.folded = folded;
+        detail::graph_node step{
+            .reference = [](const float*, const float* in, const float*, float* out) { *out = 2 * *in; },
+            .input = map,
+            .folded = folded};
         map = step.output = net.add_map({1, 1}, range);
         if (range != detail::calibration_graph::none) {
             step.set_ranges = [](float* to, const step_ranges& of) { of.output.write(to); };

@@ -49,10 +49,7 @@ std::vector<float> plain_outputs(const detail::calibration_graph& steps, std::sp
         detail::node_executor(steps, step, folded, rounded)
             .run(maps.data(), to.range == detail::calibration_graph::none ? map_range{} : ranges[to.range]);
     }
-    std::vector<float> outputs(maps.end() - static_cast<std::ptrdiff_t>(Network::outputs), maps.end());
-    if (steps.softmax != nullptr)
-        steps.softmax(outputs);
-    return outputs;
+    return {maps.end() - static_cast<std::ptrdiff_t>(Network::outputs), maps.end()};
 }
 /// The ranges of all maps, in the order of a description; those of the frame first.
 std::vector<map_range> ranges_of(const detail::calibration_graph& steps, const folded_layout& layout,

@@ -1,3 +1,4 @@
+#include <tactnet/operators/activations/function.hpp>
 #include <tactnet/quantisation/node_executor.hpp>
 
 #include <doctest/doctest.h>
@@ -15,35 +16,42 @@
 
 using namespace tactnet;
 using detail::calibration_graph;
-using detail::graph_node;
+using detail::convolution_reference;
 using detail::node_executor;
 
 namespace {
 
 /// Weights in steps of ½ with half a step between, inputs that are whole: all sums are below 2¹⁶ quarters.
 struct drawn_step {
+    kernels::frame_convolution kernel;
     calibration_graph net;
     std::vector<float> folded, maps;
 
     drawn_step(const sliding_window& window, std::size_t groups, std::size_t filters, extent2d pool,
-               bool relu, bool accumulates, std::size_t first, std::uint32_t seed) {
+               bool relu, bool accumulates, std::size_t first, std::uint32_t seed)
+        : kernel{.window = window,
+                 .filters = filters,
+                 .input_stride = window.input.channels,
+                 .pool = pool,
+                 .activation = relu ? fused<relu_function> : &kernels::no_activation,
+                 .accumulates = accumulates,
+                 .groups = groups,
+                 .map_offset = first} {
         net.ranges = 3;
         const shape sums{window.output_rows(), window.output_columns(), filters};
         const shape to{(sums.rows + pool.rows - 1) / pool.rows,
                        (sums.columns + pool.columns - 1) / pool.columns, filters + first};
-        graph_node step{.window = window, .groups = groups, .filters = filters, .pool = pool};
-        step.relu = relu, step.accumulates = accumulates, step.first = first;
-        step.input = net.add_map(window.input, 0);
-        step.added = net.add_map(sums, 1);
-        step.output = net.add_map(to, 2);
-        step.from = window.input, step.to = to, step.folded = 3;
-        net.nodes.push_back(step);
+        net.nodes.push_back({.convolution = &kernel,
+                             .input = net.add_map(window.input, 0),
+                             .added = net.add_map(sums, 1),
+                             .output = net.add_map(to, 2),
+                             .folded = 3});
         std::mt19937 draw(seed);
         const auto next = [&](int most) {
             return static_cast<float>(static_cast<int>(draw() % static_cast<unsigned>(2 * most + 1)) - most);
         };
         folded.assign(3, 1e9f); // what is in front is not its own
-        for (std::size_t i = 0; i < filters * step.taps(); ++i)
+        for (std::size_t i = 0; i < filters * kernel.taps(); ++i)
             folded.push_back(next(9) / 4);
         for (std::size_t f = 0; f < filters; ++f)
             folded.push_back(next(20) / 4);
@@ -55,14 +63,13 @@ struct drawn_step {
     /// number of them.
     [[nodiscard]] std::optional<double> sum_at(std::size_t filter, std::size_t y, std::size_t x,
                                                bool rounded) const {
-        const graph_node& step = net.nodes[0];
-        const sliding_window& w = step.window;
+        const sliding_window& w = kernel.window;
         if (y >= w.output_rows() || x >= w.output_columns())
             return {};
-        const std::size_t of_group = w.input.channels / step.groups,
-                          begin = filter / (step.filters / step.groups) * of_group;
-        double sum = folded[step.folded + step.filters * step.taps() + filter];
-        const float* weight = &folded[step.folded + filter * step.taps()];
+        const std::size_t of_group = w.input.channels / kernel.groups,
+                          begin = filter / (kernel.filters / kernel.groups) * of_group;
+        double sum = folded[3 + kernel.filters * kernel.taps() + filter];
+        const float* weight = &folded[3 + filter * kernel.taps()];
         for (std::size_t c = begin; c < begin + of_group; ++c) // [channel][row][column]
             for (std::size_t i = 0; i < w.kernel.rows; ++i)
                 for (std::size_t j = 0; j < w.kernel.columns; ++j, ++weight) {
@@ -79,25 +86,25 @@ struct drawn_step {
                     sum += (rounded ? std::nearbyint(exact * 2) / 2 : exact) *
                            static_cast<double>(maps[pixel * w.input.channels + c]);
                 }
-        if (step.accumulates)
+        if (kernel.accumulates)
             sum += static_cast<double>(
-                maps[net.maps[1].begin + (y * w.output_columns() + x) * step.filters + filter]);
+                maps[net.maps[1].begin + (y * w.output_columns() + x) * kernel.filters + filter]);
         return sum;
     }
     /// How many numbers of all maps are others than they should be, once the step has run.
     [[nodiscard]] std::size_t wrong(bool rounded, const map_range& range) const {
-        const graph_node& step = net.nodes[0];
+        const shape to = net.maps[2].size;
         std::vector<float> expected = maps, found = maps;
-        for (std::size_t y = 0; y < step.to.rows; ++y)
-            for (std::size_t x = 0; x < step.to.columns; ++x)
-                for (std::size_t f = 0; f < step.filters; ++f) {
+        for (std::size_t y = 0; y < to.rows; ++y)
+            for (std::size_t x = 0; x < to.columns; ++x)
+                for (std::size_t f = 0; f < kernel.filters; ++f) {
                     std::optional<double> most;
-                    for (std::size_t i = 0; i < step.pool.rows; ++i)
-                        for (std::size_t j = 0; j < step.pool.columns; ++j)
+                    for (std::size_t i = 0; i < kernel.pool.rows; ++i)
+                        for (std::size_t j = 0; j < kernel.pool.columns; ++j)
                             if (const auto sum =
-                                    sum_at(f, y * step.pool.rows + i, x * step.pool.columns + j, rounded))
+                                    sum_at(f, y * kernel.pool.rows + i, x * kernel.pool.columns + j, rounded))
                                 most = most ? std::max(*most, *sum) : *sum;
-                    double number = step.relu ? std::max(*most, 0.0) : *most;
+                    double number = kernel.rectifies() ? std::max(*most, 0.0) : *most;
                     if (rounded) { // scales are powers of two: quotients are exact
                         const double byte = std::clamp(
                             std::nearbyint(number / static_cast<double>(range.scale)) + range.zero_point, 0.0,
@@ -105,10 +112,10 @@ struct drawn_step {
                         number =
                             (byte - static_cast<double>(range.zero_point)) * static_cast<double>(range.scale);
                     }
-                    expected[net.maps[2].begin + (y * step.to.columns + x) * step.to.channels + step.first +
-                             f] = static_cast<float>(number);
+                    expected[net.maps[2].begin + (y * to.columns + x) * to.channels + kernel.map_offset + f] =
+                        static_cast<float>(number);
                 }
-        node_executor(net, step, folded, rounded).run(found.data(), range);
+        node_executor(net, net.nodes[0], folded, rounded).run(found.data(), range);
         std::size_t different = 0;
         for (std::size_t i = 0; i < found.size(); ++i)
             different += found[i] != expected[i];
@@ -146,26 +153,27 @@ TEST_CASE("node_executor: outputs are not rounded, their weights are") {
     drawn.net.maps[2].range = calibration_graph::none;
     std::vector<float> found = drawn.maps;
     node_executor(drawn.net, drawn.net.nodes[0], drawn.folded, true).run(found.data(), {1000, 0});
-    const shape to = drawn.net.nodes[0].to;
+    const shape to = drawn.net.maps[2].size;
     for (std::size_t pixel = 0; pixel < to.area(); ++pixel)
         for (std::size_t f = 0; f < 4; ++f)
             CHECK(static_cast<double>(found[drawn.net.maps[2].begin + pixel * 4 + f]) ==
                   *drawn.sum_at(f, pixel / to.columns, pixel % to.columns, true));
 }
 
-TEST_CASE("node_executor: the sums of a pixel lie at place_of, and each tap is visited once") {
+TEST_CASE("convolution_reference: the sums of a pixel lie at place_of, and each tap is visited once") {
     const drawn_step drawn({{6, 7, 4}, extent2d(3, 3), 1, 1, 1, 1, 1}, 2, 6, 1, true, true, 0, 60);
-    const graph_node& step = drawn.net.nodes[0];
-    const node_executor run(drawn.net, step, drawn.folded, false);
-    node_executor::sums sums = run.make_sums();
+    const std::size_t taps = drawn.kernel.taps();
+    const convolution_reference run(drawn.kernel, drawn.folded.data() + 3, false);
+    convolution_reference::sums sums = run.make_sums();
+    const float *const in = drawn.maps.data(), *const added = in + drawn.net.maps[1].begin;
     for (std::size_t y = 0; y < 6; ++y)
         for (std::size_t x = 0; x < 7; ++x) {
-            run.sums_at(drawn.maps.data(), y, x, sums);
+            run.sums_at(in, added, y, x, sums);
             for (std::size_t f = 0; f < 6; ++f)
                 CHECK(static_cast<double>(sums[run.place_of(f)]) == *drawn.sum_at(f, y, x, false));
-            std::vector<int> visits(2 * step.taps());
+            std::vector<int> visits(2 * taps);
             run.for_each_tap(y, x, [&](std::size_t group, std::size_t tap, std::size_t place) {
-                ++visits[group * step.taps() + tap];
+                ++visits[group * taps + tap];
                 CHECK(place % 4 / 2 == group);
                 CHECK(place < drawn.net.maps[0].size.size());
             });
@@ -176,24 +184,18 @@ TEST_CASE("node_executor: the sums of a pixel lie at place_of, and each tap is v
         }
 }
 
-namespace {
-
-/// Numbers less than its one folded number become it.
-struct at_least_step {
-    static void reference(const graph_node& step, const float* folded, const float* in, float* out) {
-        for (std::size_t e = 0; e < step.to.size(); ++e)
-            out[e] = std::max(in[e], folded[0]);
-    }
-};
-
-} // namespace
-
 TEST_CASE("node_executor: any other step runs its function and rounds to even steps") {
     calibration_graph net;
     net.ranges = 2;
-    graph_node step{.reference = at_least_step::reference, .input = net.add_map({1, 5}, 0)};
-    step.output = net.add_map({1, 5}, 1), step.from = step.to = {1, 5}, step.folded = 1;
-    net.nodes.push_back(step);
+    // Numbers less than its one folded number become it.
+    net.nodes.push_back({.reference =
+                             [](const float* numbers, const float* in, const float*, float* out) {
+                                 for (std::size_t e = 0; e < 5; ++e)
+                                     out[e] = std::max(in[e], numbers[0]);
+                             },
+                         .input = net.add_map({1, 5}, 0),
+                         .output = net.add_map({1, 5}, 1),
+                         .folded = 1});
     const std::vector<float> folded{9, -3};
     std::vector<float> exact{-4, -2.5f, 0.25f, 0.75f, 200, 0, 0, 0, 0, 0}, rounded = exact;
     node_executor(net, net.nodes[0], folded, false).run(exact.data(), {0.5f, 4});

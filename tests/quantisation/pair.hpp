@@ -20,12 +20,10 @@ inline tactnet::detail::calibration_graph pair_description(std::size_t range_of_
     net.ranges = 2;
     const std::size_t input = net.add_map({1, 2}, range_of_frame),
                       output = net.add_map({1, 1}, tactnet::detail::calibration_graph::none);
-    tactnet::detail::graph_node step{
-        .window = {{1, 2}, tactnet::extent2d(1, 2), 1}, .filters = 1, .input = input};
-    step.output = output;
-    step.from = {1, 2}, step.to = {1, 1};
-    step.folded = 4; // after the mean and what words hold
-    net.nodes.push_back(step);
+    static constexpr tactnet::kernels::frame_convolution sum{
+        .window = {{1, 2}, tactnet::extent2d(1, 2), 1}, .filters = 1, .input_stride = 1};
+    // Folded numbers follow the mean and what words hold.
+    net.nodes.push_back({.convolution = &sum, .input = input, .output = output, .folded = 4});
     return net;
 }
 /// The second input is seven times the first.

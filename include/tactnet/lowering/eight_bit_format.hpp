@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
-#include <string_view>
 
 // The number format of 8 bits: maps of bytes, weights of signed bytes with a scale for each filter, sums of
 // 32 bits. A byte q of a map stands for (q − zero point) × scale, with one scale and one zero point a map.
@@ -61,12 +60,16 @@ enum class folded_kind {
     scales,           ///< the step of the weights of each filter, or of the words of each feature
     range             ///< scale and zero point of a map: map_range
 };
-/// An array of the folded numbers of a step. The array of a range has the name of a map: input, added,
-/// output.
+/// The ranges of a step's maps: the map that it reads, the map that it adds to, and the map that it writes.
+struct step_ranges {
+    map_range input, added, output;
+};
+/// An array of the folded numbers of a step.
 struct folded_array {
-    const char* name = ""; ///< "weight", "bias", "input"
+    const char* name = ""; ///< "weight", "bias"; of a range, that of its map
     folded_kind kind = folded_kind::numbers;
-    std::array<std::size_t, 4> extents{}; ///< zeros after the last
+    std::array<std::size_t, 4> extents{};    ///< zeros after the last
+    map_range step_ranges::*range = nullptr; ///< which range of the step it is
 
     [[nodiscard]] constexpr std::size_t size() const {
         std::size_t product = 1;
@@ -75,17 +78,19 @@ struct folded_array {
         return product;
     }
 };
-/// The ranges of a step's maps: the map that it reads, the map that it adds to, and the map that it writes.
-struct step_ranges {
-    map_range input, added, output;
-};
+inline constexpr folded_array range_of_input{
+    "input", folded_kind::range, {map_range::numbers}, &step_ranges::input};
+inline constexpr folded_array range_of_added{
+    "added", folded_kind::range, {map_range::numbers}, &step_ranges::added};
+inline constexpr folded_array range_of_output{
+    "output", folded_kind::range, {map_range::numbers}, &step_ranges::output};
 
 /// Up to six arrays in sequence.
 struct folded_arrays {
     std::array<folded_array, 6> list{}; ///< the first `count` are used
     std::size_t count = 0;
 
-    /// Arrays without a name are left out.
+    /// An array without a name, `folded_array{}`, is left out.
     constexpr folded_arrays(std::initializer_list<folded_array> all) {
         for (const folded_array& array : all)
             if (*array.name != 0)
@@ -97,36 +102,25 @@ struct folded_arrays {
             sum += list[i].size();
         return sum;
     }
-    /// How many of them are ranges of maps.
-    [[nodiscard]] constexpr std::size_t ranges() const {
-        std::size_t sum = 0;
-        for (std::size_t i = 0; i < count; ++i)
-            sum += list[i].kind == folded_kind::range ? 1 : 0;
-        return sum;
+    /// Whether the map that the step writes has a range of its own.
+    [[nodiscard]] constexpr bool has_output_range() const {
+        return std::any_of(list.begin(), list.end(),
+                           [](const folded_array& array) { return array.range == range_of_output.range; });
     }
     /// The ranges among the folded numbers of the step, and (1, 0) for maps that the step does not have.
     [[nodiscard]] constexpr step_ranges read_ranges(const float* from) const {
         step_ranges result;
         for (std::size_t i = 0; i < count; from += list[i++].size())
-            if (list[i].kind == folded_kind::range)
-                of_map(result, list[i].name) = map_range::read(from);
+            if (list[i].range != nullptr)
+                result.*list[i].range = map_range::read(from);
         return result;
     }
-    constexpr void write_ranges(float* to, step_ranges values) const {
+    constexpr void write_ranges(float* to, const step_ranges& values) const {
         for (std::size_t i = 0; i < count; to += list[i++].size())
-            if (list[i].kind == folded_kind::range)
-                of_map(values, list[i].name).write(to);
-    }
-
-private:
-    static constexpr map_range& of_map(step_ranges& ranges, std::string_view map) {
-        return map == "input" ? ranges.input : map == "added" ? ranges.added : ranges.output;
+            if (list[i].range != nullptr)
+                (values.*list[i].range).write(to);
     }
 };
-/// The array of a map's range; without a name for a map that the step does not have.
-[[nodiscard]] constexpr folded_array range_array(const char* map, bool there = true) {
-    return {there ? map : "", folded_kind::range, {map_range::numbers}};
-}
 
 namespace detail {
 

@@ -111,7 +111,7 @@ private:
             }
             for (std::size_t i = 0; i < some; ++i) {
                 observe_maps(net, maps.data() + i * net.numbers);
-                keep_outputs(net, maps.data() + i * net.numbers + last.begin, last.size, first + i);
+                keep_outputs(maps.data() + i * net.numbers + last.begin, last.size, first + i);
             }
         }
     }
@@ -124,10 +124,7 @@ private:
                 lowest = std::min(lowest, maps[e]), highest = std::max(highest, maps[e]);
         }
     }
-    [[gnu::cold]] void keep_outputs(const calibration_graph& net, float* map, shape size, std::size_t image) {
-        if (net.softmax != nullptr)
-            for (std::size_t pixel = 0; pixel < size.area(); ++pixel)
-                net.softmax(std::span(map + pixel * size.channels, size.channels));
+    [[gnu::cold]] void keep_outputs(const float* map, shape size, std::size_t image) {
         float* to = outputs_.data() + image * size.size();
         for (std::size_t channel = 0; channel < size.channels; ++channel)
             for (std::size_t pixel = 0; pixel < size.area(); ++pixel) {

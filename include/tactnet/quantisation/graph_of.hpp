@@ -1,21 +1,24 @@
 #pragma once
 
 #include <tactnet/deployment/eight_bit/steps.hpp>
-#include <tactnet/quantisation/node_executor.hpp>
+#include <tactnet/operators/reference.hpp>
+#include <tactnet/quantisation/graph.hpp>
 
 #include <algorithm>
 #include <cstddef>
-#include <ratio>
 #include <type_traits>
 #include <utility>
 
-// The calibration graph of a network, from the descriptions of its steps.
+// The calibration graph of a network, from the descriptions of its steps: how steps are composed is known
+// here, what a step computes is known to the step.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 namespace detail {
 
 /// Appends steps to a graph.
 class graph_builder {
+    static constexpr std::size_t none = calibration_graph::none;
+
 public:
     /// `folded`: how many folded numbers come before the first step.
     graph_builder(shape input, std::size_t folded) : folded_(folded) { net_.add_map(input, 0); }
@@ -23,37 +26,28 @@ public:
 
     /// Appends a step that reads a map, and returns the map that it writes: `into`, unless that is none.
     template <class Step>
-    [[gnu::cold]] std::size_t append(std::size_t input, std::size_t into = calibration_graph::none) {
-        std::size_t output = input;
-        step_description<Step>::visit(
-            [&]<class... Arguments>(const char*, const char*, const Arguments&... arguments) {
-                constexpr bool composed = (is_inner_step<Arguments> || ...);
-                if constexpr (!composed && requires { &Step::reference; }) {
-                    constexpr bool own_range = requires { Step::ranges; };
-                    output = add_operator<Step, own_range>(reference_own_step<Step>, input, into);
-                } else {
-                    output = add<Step>(input, into, arguments...);
-                }
-            });
-        return output;
+    [[gnu::cold]] std::size_t append(std::size_t input, std::size_t into = none) {
+        if constexpr (!std::is_same_v<Step, no_step>)
+            step_description<Step>::visit(
+                [&]<class... Arguments>(const char*, const char*, const Arguments&... arguments) {
+                    if constexpr ((is_inner_step<Arguments> || ...))
+                        input = add<Step>(input, into, arguments...);
+                    else
+                        input = add<Step>(input, into);
+                });
+        return input;
     }
 
 private:
-    // A step by the arguments of its description.
-    template <class Step>
-    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t) {
-        static_assert(std::is_same_v<Step, no_step>);
-        return input;
-    }
-    template <class Step, class... Steps>
+    template <class, class... Steps>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into,
                                   const inner_step<Steps, step_composition::chain>&...) {
         std::size_t left = sizeof...(Steps);
-        ((input = append<Steps>(input, --left == 0 ? into : calibration_graph::none)), ...);
+        ((input = append<Steps>(input, --left == 0 ? into : none)), ...);
         return input;
     }
     /// The skip comes first when it runs, and last among folded numbers and ranges.
-    template <class Step, class Main, class Skip>
+    template <class, class Main, class Skip>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into,
                                   const inner_step<Main, step_composition::sum>&,
                                   const inner_step<Skip, step_composition::sum>&, input_stride_argument) {
@@ -66,12 +60,13 @@ private:
         return output;
     }
     /// The factors of a gate, and the product.
-    template <class Step, class Branch, class Product>
+    template <class, class Branch, class Product>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into,
                                   const inner_step<Branch, step_composition::product>&,
                                   const inner_step<Product, step_composition::product>&) {
-        const std::size_t factors = append<Branch>(input);
-        return add_parameters<Product>({.multiplies = true, .input = input, .added = factors}, into);
+        const std::size_t factors = append<Branch>(input), output = append<Product>(input, into);
+        net_.nodes.back().added = factors;
+        return output;
     }
     /// Branches that write their slices of one map share its range: the range that the last of them has made.
     template <class Step, class Format, class... Steps>
@@ -87,105 +82,51 @@ private:
         net_.maps[common].range = net_.ranges - 1;
         return common;
     }
+    /// What a wrapper does to the outputs of the step inside.
     template <class Step, class Inner>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into,
                                   const inner_step<Inner, step_composition::wrapper>&) {
-        net_.softmax = reference_softmax;
-        return append<Inner>(input, into);
-    }
-    template <class Step, class Format>
-    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                                  const kernels::frame_convolution& kernel) {
-        // All members are named, so that a new one does not compile before it is copied or left out here.
-        // Maps of the graph have no gaps, so strides are left out; the map after a pool has the size of the
-        // pool.
-        const auto& [window, filters, input_stride, pool, pooled_rows, pooled_columns, activation,
-                     accumulates, groups, map_stride, map_offset, map_offset_multiple,
-                     input_offset_multiple] = kernel;
-        return add_parameters<Step>({.window = window,
-                                     .groups = groups,
-                                     .filters = filters,
-                                     .pool = pool,
-                                     .relu = activation->rectifies,
-                                     .accumulates = accumulates,
-                                     .input = input,
-                                     .first = map_offset},
-                                    into);
-    }
-    template <class Step, class Format>
-    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                                  const kernels::frame_dense& kernel) {
-        const auto& [map, input_stride, outputs] = kernel; // all, likewise
-        return add_parameters<Step>(
-            {.window = {map, {map.rows, map.columns}, 1}, .filters = outputs, .input = input}, into);
-    }
-    /// A batch norm.
-    template <class Step, class Format>
-    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                                  const shape&, input_stride_argument, bool relu) {
-        return add_parameters<Step>({.reference = reference_norm, .relu = relu, .input = input}, into);
-    }
-    /// A square root.
-    template <class Step, class Format, std::intmax_t Numerator, std::intmax_t Denominator>
-    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                                  const shape&, input_stride_argument,
-                                  std::type_identity<std::ratio<Numerator, Denominator>>) {
-        return add_parameters<Step>(
-            {.reference = reference_square_root, .offset = Step::offset, .input = input}, into);
-    }
-    /// An average pool.
-    template <class Step, class Format>
-    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                                  const pooling_windows& windows, std::size_t, input_stride_argument) {
-        return add_parameters<Step>({.reference = reference_average_pool, .means = windows, .input = input},
-                                    into);
-    }
-    /// A max pool, whose bytes stay what they are.
-    template <class Step, class Format>
-    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t, std::type_identity<Format>,
-                                  const sliding_window& window, input_stride_argument) {
-        return add_node<Step>({.reference = reference_max_pool, .window = window, .input = input},
-                              net_.add_map(Step::output, net_.maps[input].range));
-    }
-    template <class Step, class Format, activation_function Function>
-    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into, std::type_identity<Format>,
-                                  std::type_identity<Function>, const shape&, input_stride_argument) {
-        return add_operator<Step, (Step::ranges > 1)>(reference_activation<Function>, input, into);
-    }
-
-    /// A step whose output has a range of its own, or the range of its input.
-    template <class Step, bool OwnRange>
-    [[gnu::cold]] std::size_t add_operator(graph_node::function reference, std::size_t input,
-                                           std::size_t into) {
-        if constexpr (OwnRange)
-            return add_parameters<Step>({.reference = reference, .input = input}, into);
-        else
-            return add_node<Step>({.reference = reference, .input = input},
-                                  net_.add_map(Step::output, net_.maps[input].range));
-    }
-    /// A step whose output has a range of its own, or is the output of the network.
-    template <class Step>
-    [[gnu::cold]] std::size_t add_parameters(const graph_node& step, std::size_t into) {
-        std::size_t range = calibration_graph::none;
-        if (Step::ranges > (step.reads_added() ? 2 : 1))
-            range = net_.ranges++;
-        return add_node<Step>(step,
-                              into == calibration_graph::none ? net_.add_map(Step::output, range) : into);
-    }
-    template <class Step>
-    [[gnu::cold]] std::size_t add_node(graph_node step, std::size_t output) {
-        step.output = output, step.folded = folded_;
-        if constexpr (requires { &Step::set_ranges; })
-            step.set_ranges = &Step::set_ranges;
-        else if constexpr (requires { Step::arrays; })
-            step.set_ranges = [](float* to, const step_ranges& values) {
-                Step::arrays.write_ranges(to, values);
-            };
-        push(step, Step::folded_elements);
+        const std::size_t output = append<Inner>(input, into);
+        net_.nodes.push_back({.reference = reference_of<Step>(), .input = output, .output = output});
         return output;
     }
-    [[gnu::cold, gnu::noinline]] void push(graph_node& step, std::size_t folded) {
-        step.from = net_.maps[step.input].size, step.to = net_.maps[step.output].size;
+    /// Any other step. A map of bytes has a range of its own if the step lists one, otherwise that of the
+    /// input, since its bytes stay what they are.
+    template <class Step>
+    [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into) {
+        graph_node step{.input = input, .folded = folded_};
+        std::size_t range = Step::number_elements == 1 ? net_.maps[input].range : none;
+        if constexpr (requires { Step::arrays; }) {
+            if (Step::arrays.has_output_range())
+                range = net_.ranges++;
+            if constexpr (requires { &Step::set_ranges; })
+                step.set_ranges = &Step::set_ranges;
+            else
+                step.set_ranges = [](float* to, const step_ranges& values) {
+                    Step::arrays.write_ranges(to, values);
+                };
+        }
+        if constexpr (requires { Step::kernel; })
+            step.convolution = &Step::kernel;
+        else
+            step.reference = reference_of<Step>();
+        step.output = into == none ? net_.add_map(Step::output, range) : into;
+        push(step, Step::folded_elements);
+        return step.output;
+    }
+    template <class Step>
+    [[nodiscard]] static constexpr graph_node::function reference_of() {
+        static_assert(
+            requires { &Step::reference; },
+            "deploy: in 8 bits each step needs a function `reference` for calibration");
+        if constexpr (std::is_same_v<decltype(&Step::reference), graph_node::function>)
+            return &Step::reference;
+        else
+            return [](const float* folded, const float* in, const float*, float* out) {
+                Step::reference(folded, in, out);
+            };
+    }
+    [[gnu::cold, gnu::noinline]] void push(const graph_node& step, std::size_t folded) {
         folded_ += folded;
         net_.nodes.push_back(step);
     }

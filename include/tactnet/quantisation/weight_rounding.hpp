@@ -69,10 +69,10 @@ public:
         }
         for (const graph_node& step : net.nodes) {
             const node_executor exact_run(net, step, exact_, false);
-            if (step.is_convolution() && step.taps() <= max_taps)
-                fit(step, exact_run);
+            if (step.convolution != nullptr && step.convolution->taps() <= max_taps)
+                fit(step, *step.convolution, exact_run.convolution());
             const node_executor rounded_run(net, step, folded_, true);
-            const map_range& range = range_of(step.output);
+            const map_range range = net.range_of(step.output, ranges);
             for (std::size_t i = 0; i < images_; ++i) {
                 exact_run.run(exact_maps_.data() + i * net.numbers, range);
                 rounded_run.run(rounded_maps_.data() + i * net.numbers, range);
@@ -83,19 +83,15 @@ public:
     [[nodiscard]] std::span<const float> folded() const { return folded_; }
 
 private:
-    [[nodiscard]] const map_range& range_of(std::size_t map) const {
-        static constexpr map_range any;
-        return net_.maps[map].range == calibration_graph::none ? any : ranges_[net_.maps[map].range];
-    }
-
-    [[gnu::cold]] void fit(const graph_node& step, const node_executor& exact_run) {
-        const std::size_t of_group = step.filters / step.groups;
-        for (std::size_t group = 0; group < step.groups; ++group) {
-            pixel_moments seen(step.taps(), of_group), held_out(step.taps(), of_group);
-            add_pixels(step, exact_run, group, seen, held_out);
+    [[gnu::cold]] void fit(const graph_node& step, const kernels::frame_convolution& kernel,
+                           const convolution_reference& exact) {
+        const std::size_t of_group = kernel.filters / kernel.groups, taps = kernel.taps();
+        for (std::size_t group = 0; group < kernel.groups; ++group) {
+            pixel_moments seen(taps, of_group), held_out(taps, of_group);
+            add_pixels(step, kernel, exact, group, seen, held_out);
             if (seen.empty() || held_out.empty())
                 continue;
-            filter_rounding best(seen, step.taps());
+            filter_rounding best(seen, taps);
             for (std::size_t f = 0; f < of_group; ++f)
                 fit_filter(step, group * of_group + f, f, best, seen, held_out);
         }
@@ -103,20 +99,20 @@ private:
     [[gnu::cold]] void fit_filter(const graph_node& step, std::size_t filter, std::size_t in_group,
                                   filter_rounding& best, const pixel_moments& seen,
                                   const pixel_moments& held_out) {
-        const std::size_t taps = step.taps(), all = step.filters * taps;
+        const kernels::frame_convolution& kernel = *step.convolution;
+        const std::size_t taps = kernel.taps(), all = kernel.filters * taps;
         float* const of_step = folded_.data() + step.folded;
         const std::span<float> weights(of_step + filter * taps, taps);
         float& bias = of_step[all + filter];
-        const float scale = of_step[all + step.filters + filter];
+        const float scale = of_step[all + kernel.filters + filter];
         std::vector<float> rounded(taps), fitted(taps);
         for (std::size_t t = 0; t < taps; ++t)
             rounded[t] = static_cast<float>(quantised(weights[t], static_cast<double>(scale))) * scale;
         best.round(in_group, weights, scale, fitted);
         const auto fitted_bias = static_cast<float>(seen.best_bias(in_group, fitted));
-        const step_ranges ranges{range_of(step.input), range_of(step.added), range_of(step.output)};
         const double largest_input = net_.maps[step.input].range == 0 ? largest_word : largest_byte;
-        const bool fits = filter_of(fitted.data(), taps, static_cast<double>(fitted_bias), scale, ranges,
-                                    step.accumulates, largest_input, 0)
+        const bool fits = filter_of(fitted.data(), taps, static_cast<double>(fitted_bias), scale,
+                                    net_.ranges_of(step, ranges_), kernel.accumulates, largest_input, 0)
                               .fits();
         if (!fits || !(held_out.error(in_group, fitted, static_cast<double>(fitted_bias)) <
                        held_out.error(in_group, rounded, static_cast<double>(bias))))
@@ -126,33 +122,36 @@ private:
     }
 
     /// Adds the pixels of all images, or evenly spaced ones where there are more than enough.
-    void add_pixels(const graph_node& step, const node_executor& exact_run, std::size_t group,
-                    pixel_moments& seen, pixel_moments& held_out) const {
-        const std::size_t rows = step.window.output_rows(), columns = step.window.output_columns();
+    void add_pixels(const graph_node& step, const kernels::frame_convolution& kernel,
+                    const convolution_reference& exact, std::size_t group, pixel_moments& seen,
+                    pixel_moments& held_out) const {
+        const std::size_t rows = kernel.window.output_rows(), columns = kernel.window.output_columns();
         const std::size_t every =
-            pixel_stride(images_, rows * columns, std::max(pixels_of_tap * step.taps(), fewest_pixels));
-        const std::size_t of_group = step.filters / step.groups;
-        node_executor::sums sums = exact_run.make_sums();
-        std::vector<std::pair<std::size_t, float>> inputs(step.taps());
+            pixel_stride(images_, rows * columns, std::max(pixels_of_tap * kernel.taps(), fewest_pixels));
+        const std::size_t of_group = kernel.filters / kernel.groups;
+        convolution_reference::sums sums = exact.make_sums();
+        std::vector<std::pair<std::size_t, float>> inputs(kernel.taps());
         std::vector<float> wanted(of_group);
         std::size_t pixel = 0;
         for (std::size_t i = 0; i < images_; ++i) {
-            const float* const in = rounded_maps_.data() + i * net_.numbers;
+            const float *const maps = exact_maps_.data() + i * net_.numbers,
+                               *const rounded_maps = rounded_maps_.data() + i * net_.numbers,
+                               *const in = net_.map(rounded_maps, step.input),
+                               *const added = net_.map(rounded_maps, step.added);
             for (std::size_t y = 0; y < rows; ++y)
                 for (std::size_t x = 0; x < columns; ++x) {
                     if (pixel++ % every != 0)
                         continue;
-                    exact_run.sums_at(exact_maps_.data() + i * net_.numbers, y, x, sums);
+                    exact.sums_at(net_.map(maps, step.input), net_.map(maps, step.added), y, x, sums);
                     for (std::size_t f = 0; f < of_group; ++f) {
                         const std::size_t filter = group * of_group + f;
-                        wanted[f] = sums[exact_run.place_of(filter)];
-                        if (step.accumulates) // the other map is what it is
-                            wanted[f] -= in[net_.maps[step.added].begin +
-                                            (y * columns + x) * net_.maps[step.added].size.channels + filter];
+                        wanted[f] = sums[exact.place_of(filter)];
+                        if (kernel.accumulates) // the other map is what it is
+                            wanted[f] -= added[(y * columns + x) * kernel.filters + filter];
                     }
                     std::size_t found = 0;
-                    exact_run.for_each_tap(y, x, [&](std::size_t g, std::size_t tap, std::size_t place) {
-                        const float value = in[net_.maps[step.input].begin + place];
+                    exact.for_each_tap(y, x, [&](std::size_t g, std::size_t tap, std::size_t place) {
+                        const float value = in[place];
                         if (g == group && value != 0)
                             inputs[found++] = {tap, value};
                     });

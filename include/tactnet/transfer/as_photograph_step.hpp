@@ -87,9 +87,9 @@ struct as_photograph_step<eight_bit_between<Input, std::uint8_t>, From, InputStr
     : step_base<eight_bit, shape{To.rows, To.columns, 3}, 4> {
     static constexpr folded_arrays arrays{{"mean", folded_kind::numbers, {3}},
                                           {"factor", folded_kind::numbers, {3}},
-                                          range_array("input"),
-                                          range_array("output")};
-    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
+                                          range_of_input,
+                                          range_of_output};
+    static constexpr std::size_t folded_elements = arrays.numbers();
 
 private:
     using down = resize_axis<keys_cubic<>, From.rows, To.rows>;

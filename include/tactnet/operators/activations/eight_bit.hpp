@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
@@ -16,8 +17,8 @@ template <class Function, shape Map, std::size_t Stride>
 struct activation_step<eight_bit, Function, Map, Stride> : step_base<eight_bit, Map, Stride> {
     static constexpr bool clamps = detail::is_relu<Function>();
     /// A clamp keeps the range of its input.
-    static constexpr folded_arrays arrays{range_array("input"), range_array("output", !clamps)};
-    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
+    static constexpr folded_arrays arrays{range_of_input, !clamps ? range_of_output : folded_array{}};
+    static constexpr std::size_t folded_elements = arrays.numbers();
     static constexpr std::size_t packed_elements = pad_to_cache_line<std::int8_t>(clamps ? 1 : 256);
 
     static constexpr void pack(const float* from, std::int8_t* to) {
@@ -44,6 +45,12 @@ struct activation_step<eight_bit, Function, Map, Stride> : step_base<eight_bit, 
                 out[e] = std::max(in[e], detail::load_byte(packed_values));
             else
                 out[e] = detail::load_byte(packed_values + in[e]);
+    }
+    /// For calibration.
+    static void reference(const float*, const float* in, float* out) {
+        using number = std::conditional_t<detail::takes_vectors<Function>, double, float>;
+        for (std::size_t e = 0; e < Map.size(); ++e)
+            out[e] = static_cast<float>(Function::value(static_cast<number>(in[e])));
     }
 };
 

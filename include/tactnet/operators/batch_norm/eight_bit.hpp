@@ -5,6 +5,7 @@
 #include <tactnet/lowering/quantise.hpp>
 #include <tactnet/operators/batch_norm/step.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -16,9 +17,9 @@ struct norm_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Rectified>
     : step_base<eight_bit, Map, Stride> {
     static constexpr folded_arrays arrays{{"weight", folded_kind::numbers, {Map.channels}},
                                           {"bias", folded_kind::numbers, {Map.channels}},
-                                          range_array("input"),
-                                          range_array("output")};
-    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
+                                          range_of_input,
+                                          range_of_output};
+    static constexpr std::size_t folded_elements = arrays.numbers();
 
 private:
     static constexpr std::size_t of_channels = pad_to_cache_line<std::int8_t>(Stride * sizeof(std::int32_t));
@@ -60,6 +61,14 @@ public:
                     out + pixel + c, kernels::int32_vec<1>{from[pixel + c] * times + start},
                     kernels::load_bytes_as<kernels::float_vec<1>>(packed_values + factors + 4 * c), range);
             }
+    }
+    /// For calibration.
+    static void reference(const float* from, const float* in, float* out) {
+        for (std::size_t e = 0; e < Map.size(); ++e) {
+            out[e] = from[e % Map.channels] * in[e] + from[Map.channels + e % Map.channels];
+            if (Rectified)
+                out[e] = std::max(out[e], 0.0f);
+        }
     }
 };
 

@@ -30,10 +30,10 @@ struct convolution_step<eight_bit_between<Input, Output>, Kernel>
                                             Kernel.window.kernel.rows, Kernel.window.kernel.columns}},
                                           {"bias", folded_kind::numbers, {Kernel.filters}},
                                           {"scale", folded_kind::scales, {Kernel.filters}},
-                                          range_array("input"),
-                                          range_array("added", Kernel.accumulates),
-                                          range_array("output", writes_bytes)};
-    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
+                                          range_of_input,
+                                          Kernel.accumulates ? range_of_added : folded_array{},
+                                          writes_bytes ? range_of_output : folded_array{}};
+    static constexpr std::size_t folded_elements = arrays.numbers();
     /// The largest magnitude of an input.
     static constexpr double largest_input = std::is_same_v<Input, std::uint8_t> ? 255 : 32768;
 

@@ -12,8 +12,6 @@ struct dense_step<eight_bit_between<Input, Output>, Kernel>
                        kernels::frame_convolution{
                            .window = {Kernel.input, {Kernel.input.rows, Kernel.input.columns}, 1},
                            .filters = Kernel.outputs,
-                           .input_stride = Kernel.input_stride}> {
-    static constexpr kernels::frame_dense kernel = Kernel;
-};
+                           .input_stride = Kernel.input_stride}> {};
 
 }} // namespace tactnet

@@ -13,7 +13,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 template <sliding_window Window, extent2d Dilation, extent2d Outputs, std::size_t InputStride>
 struct phase_splitting_step<eight_bit, Window, Dilation, Outputs, InputStride>
     : detail::phase_splitting<eight_bit, Window, Dilation, Outputs, InputStride> {
-    static constexpr folded_arrays arrays{range_array("input")};
+    static constexpr folded_arrays arrays{range_of_input};
     static constexpr std::size_t folded_elements = arrays.numbers(),
                                  packed_elements = pad_to_cache_line<std::int8_t>(1);
 

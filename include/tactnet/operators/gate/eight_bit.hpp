@@ -17,8 +17,8 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// "added" is that of the factors.
 template <shape Map, std::size_t Stride>
 struct product_step<eight_bit, Map, Stride> : step_base<eight_bit, Map, Stride> {
-    static constexpr folded_arrays arrays{range_array("input"), range_array("added"), range_array("output")};
-    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
+    static constexpr folded_arrays arrays{range_of_input, range_of_added, range_of_output};
+    static constexpr std::size_t folded_elements = arrays.numbers();
 
 private:
     // After the factor of the products, the zero points of input, factors and output.
@@ -54,6 +54,11 @@ public:
                 kernels::store_rounded<width>(
                     out + pixel + c, (kernels::to_int32<width>(bytes) - zero_of_input) * times, scale, range);
             }
+    }
+    /// For calibration.
+    static void reference(const float*, const float* in, const float* factors, float* out) {
+        for (std::size_t e = 0; e < Map.size(); ++e)
+            out[e] = in[e] * factors[e % Map.channels];
     }
 };
 

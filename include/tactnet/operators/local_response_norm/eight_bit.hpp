@@ -31,8 +31,8 @@ template <shape Map, std::size_t Stride, std::size_t Size, class Alpha, class Be
 struct local_response_norm_step<eight_bit, Map, Stride, kernels::response_rule<Size, Alpha, Beta, K>>
     : step_base<eight_bit, Map, Stride>, detail::byte_response_limits<Size, Beta> {
     using rule = kernels::response_rule<Size, Alpha, Beta, K>;
-    static constexpr folded_arrays arrays{range_array("input"), range_array("output")};
-    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
+    static constexpr folded_arrays arrays{range_of_input, range_of_output};
+    static constexpr std::size_t folded_elements = arrays.numbers();
     static constexpr std::size_t packed_elements =
         pad_to_cache_line<std::int8_t>(sizeof(kernels::byte_response_constants));
 
@@ -54,18 +54,8 @@ struct local_response_norm_step<eight_bit, Map, Stride, kernels::response_rule<S
         kernels::normalise_byte_responses<rule, Map.channels, Stride>(
             Map.area(), kernels::load_bytes_as<kernels::byte_response_constants>(packed_values), in, out);
     }
-    /// For calibration.
-    static void reference(const float*, const float* in, float* out) {
-        for (std::size_t pixel = 0; pixel < Map.area(); ++pixel, in += Map.channels, out += Map.channels)
-            for (std::size_t c = 0; c < Map.channels; ++c) {
-                double squares = 0;
-                const std::size_t end = std::min(c + rule::behind + 1, Map.channels);
-                for (std::size_t i = c - std::min(c, rule::before); i < end; ++i)
-                    squares += static_cast<double>(in[i]) * static_cast<double>(in[i]);
-                out[c] = static_cast<float>(static_cast<double>(in[c]) *
-                                            std::pow(rule::k + rule::share * squares, -rule::beta));
-            }
-    }
+    /// For calibration (reference.hpp).
+    static void reference(const float*, const float* in, float* out);
 };
 
 template <shape Map, std::size_t Stride, class Rule>

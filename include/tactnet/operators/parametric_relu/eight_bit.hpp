@@ -16,8 +16,8 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 template <shape Map, std::size_t Stride>
 struct parametric_relu_step<eight_bit, Map, Stride> : step_base<eight_bit, Map, Stride> {
     static constexpr folded_arrays arrays{
-        {"weight", folded_kind::numbers, {Map.channels}}, range_array("input"), range_array("output")};
-    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
+        {"weight", folded_kind::numbers, {Map.channels}}, range_of_input, range_of_output};
+    static constexpr std::size_t folded_elements = arrays.numbers();
 
 private:
     // The factors below zero, the one above, and the zeros of both maps.

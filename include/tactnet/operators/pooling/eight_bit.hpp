@@ -22,6 +22,10 @@ struct pool_step<eight_bit, Window, Stride>
     static void run(const std::int8_t*, const std::uint8_t* in, std::uint8_t* out, std::uint8_t*) noexcept {
         kernels::pool_frame<Window, Stride>(in, out);
     }
+    /// For calibration, whose maps are not aligned.
+    static void reference(const float*, const float* in, float* out) {
+        kernels::largest_pixels<float>(windows_of(Window), Window.input.channels, in, out);
+    }
 };
 
 /// An adaptive max pool in 8 bits.
@@ -45,8 +49,8 @@ struct average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Chann
     : step_base<eight_bit, shape{Windows.rows.outputs, Windows.columns.outputs, Channels}, Stride> {
     static constexpr bool writes_bytes = std::is_same_v<Output, std::uint8_t>;
     static constexpr std::size_t number_elements = sizeof(Output); ///< bytes per number that it writes
-    static constexpr folded_arrays arrays{range_array("input"), range_array("output", writes_bytes)};
-    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
+    static constexpr folded_arrays arrays{range_of_input, writes_bytes ? range_of_output : folded_array{}};
+    static constexpr std::size_t folded_elements = arrays.numbers();
 
 private:
     static constexpr std::size_t input_zero = sizeof(float), zero = input_zero + 1; // after the factor
@@ -81,6 +85,10 @@ public:
                     reinterpret_cast<Output*>(out)[o * Stride + c] = static_cast<float>(sums[c]) * scale;
             }
         });
+    }
+    /// For calibration, whose maps are not aligned.
+    static void reference(const float*, const float* in, float* out) {
+        kernels::average_pixels<float>(Windows, Channels, in, out);
     }
 };
 

@@ -43,9 +43,9 @@ public:
     static constexpr folded_arrays arrays{one_for_each("weight"),
                                           one_for_each("bias"),
                                           {"epsilon", folded_kind::positive_numbers, {1}},
-                                          range_array("input"),
-                                          range_array("output")};
-    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
+                                          range_of_input,
+                                          range_of_output};
+    static constexpr std::size_t folded_elements = arrays.numbers();
 
 private:
     // Weights, biases, the margin, then the lowest byte and the zero.
@@ -87,37 +87,8 @@ public:
                      kernels::load_bytes_as<float>(packed_values + margin), range},
                     in, out, memory);
     }
-    /// For calibration.
-    static void reference(const float* from, const float* in, float* out) {
-        constexpr std::size_t channels = Map.channels / Groups;
-        const auto together = [&](std::size_t first_pixel, std::size_t pixels, std::size_t first) {
-            const auto each = [&](const auto& body) {
-                for (std::size_t pixel = first_pixel; pixel < first_pixel + pixels; ++pixel)
-                    for (std::size_t c = first; c < first + channels; ++c)
-                        body(pixel * Map.channels + c, per_element ? c * Map.area() + pixel : c);
-            };
-            double mean = 0, variance = static_cast<double>(from[2 * weights]);
-            each([&](std::size_t e, std::size_t) { mean += static_cast<double>(in[e]); });
-            mean /= static_cast<double>(values_together);
-            each([&](std::size_t e, std::size_t) {
-                const double distance = static_cast<double>(in[e]) - mean;
-                variance += distance * distance / static_cast<double>(values_together);
-            });
-            each([&](std::size_t e, std::size_t w) {
-                const double value = (static_cast<double>(in[e]) - mean) / std::sqrt(variance);
-                out[e] = static_cast<float>(value * static_cast<double>(from[w]) +
-                                            static_cast<double>(from[weights + w]));
-                if (Rectified)
-                    out[e] = std::max(out[e], 0.0f);
-            });
-        };
-        if constexpr (of_pixels)
-            for (std::size_t pixel = 0; pixel < Map.area(); ++pixel)
-                together(pixel, 1, 0);
-        else
-            for (std::size_t group = 0; group < Groups; ++group)
-                together(0, Map.area(), group * channels);
-    }
+    /// For calibration (reference.hpp).
+    static void reference(const float* from, const float* in, float* out);
 };
 
 template <shape Map, std::size_t Stride, unsigned Kind, std::size_t Groups, bool Rectified>

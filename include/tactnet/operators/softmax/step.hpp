@@ -44,9 +44,15 @@ struct step_with_softmax : Step {
     static void run(const typename Step::format::packed_number* packed, const activation* in, activation* out,
                     activation* memory) noexcept {
         Step::run(packed, in, out, memory);
-        auto* const outputs = reinterpret_cast<float*>(out);
-        for (std::size_t pixel = 0; pixel < Step::output.area() * Step::output_stride;
-             pixel += Step::output_stride)
+        apply<Step::output_stride>(reinterpret_cast<float*>(out));
+    }
+    /// For calibration, from outputs to probabilities in their place.
+    static void reference(const float*, const float*, float* out) { apply<Step::output.channels>(out); }
+
+private:
+    template <std::size_t Stride>
+    static void apply(float* outputs) {
+        for (std::size_t pixel = 0; pixel < Step::output.area() * Stride; pixel += Stride)
             kernels::softmax_of<float>(std::span<const float>(outputs + pixel, Step::output.channels),
                                        std::span(outputs + pixel, Step::output.channels));
     }

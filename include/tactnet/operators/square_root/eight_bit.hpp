@@ -6,6 +6,7 @@
 #include <tactnet/lowering/quantise.hpp>
 #include <tactnet/operators/square_root/step.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -17,8 +18,8 @@ template <class Input, shape Map, std::size_t Stride, class Offset>
 struct square_root_step<eight_bit_between<Input, std::uint8_t>, Map, Stride, Offset>
     : step_base<eight_bit, Map, Stride> {
     static constexpr double offset = static_cast<double>(Offset::num) / static_cast<double>(Offset::den);
-    static constexpr folded_arrays arrays{range_array("input"), range_array("output")};
-    static constexpr std::size_t folded_elements = arrays.numbers(), ranges = arrays.ranges();
+    static constexpr folded_arrays arrays{range_of_input, range_of_output};
+    static constexpr std::size_t folded_elements = arrays.numbers();
 
 private:
     // The offset in steps of the input, 1/1024 in steps of the output, the step of the input; then two bytes.
@@ -47,6 +48,12 @@ public:
         kernels::roots_to_bytes(reinterpret_cast<const Input*>(in), Map.area() * Stride, input_zero,
                                 kernels::load_bytes_as<float>(packed_values + of_offset), factor,
                                 {zero, 255, zero}, out);
+    }
+    /// For calibration.
+    static void reference(const float*, const float* in, float* out) {
+        for (std::size_t e = 0; e < Map.size(); ++e)
+            out[e] = static_cast<float>(std::sqrt(std::max(static_cast<double>(in[e]), 0.0) + offset) -
+                                        std::sqrt(offset));
     }
 };
 

@@ -31,7 +31,7 @@ struct resampling_step<eight_bit, interpolation::nearest, Input, Output, Stride>
 template <shape Input, extent2d Output, std::size_t Stride>
 struct resampling_step<eight_bit, interpolation::bilinear, Input, Output, Stride>
     : step_base<eight_bit, shape{Output.rows, Output.columns, Input.channels}, Stride> {
-    static constexpr folded_arrays arrays{range_array("input")};
+    static constexpr folded_arrays arrays{range_of_input};
     static constexpr std::size_t folded_elements = arrays.numbers(),
                                  packed_elements = pad_to_cache_line<std::int8_t>(1);
     using down = kernels::sampling_axis<interpolation::bilinear, Input.rows, Output.rows>;
@@ -44,21 +44,8 @@ struct resampling_step<eight_bit, interpolation::bilinear, Input, Output, Stride
                     std::uint8_t*) noexcept {
         kernels::resample_bytes<down, along, Stride>(in, detail::load_byte(packed_values), out);
     }
-    /// For calibration.
-    static void reference(const float*, const float* in, float* out) {
-        for (const auto& above : down::table)
-            for (const auto& beside : along::table)
-                for (std::size_t c = 0; c < Input.channels; ++c) {
-                    double sum = 0;
-                    for (std::size_t y = 0; y < down::taps; ++y)
-                        for (std::size_t x = 0; x < along::taps; ++x) {
-                            const std::size_t pixel = (above.first + y) * Input.columns + beside.first + x;
-                            sum += above.weights[y] * beside.weights[x] *
-                                   static_cast<double>(in[pixel * Input.channels + c]);
-                        }
-                    *out++ = static_cast<float>(sum);
-                }
-    }
+    /// For calibration (reference.hpp).
+    static void reference(const float*, const float* in, float* out);
 };
 
 template <interpolation Mode, shape Input, extent2d Output, std::size_t Stride>

@@ -54,7 +54,7 @@ private:
                                  inner_folded = Main::folded_elements + Skip::folded_elements;
 
 public:
-    static constexpr folded_arrays arrays{range_array("input"), range_array("added"), range_array("output")};
+    static constexpr folded_arrays arrays{range_of_input, range_of_added, range_of_output};
     static constexpr std::size_t folded_elements = inner_folded + arrays.numbers(),
                                  packed_elements =
                                      sum_offset + pad_to_cache_line<std::int8_t>(sizeof(kernels::byte_sum)),
