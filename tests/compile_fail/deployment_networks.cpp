@@ -102,6 +102,16 @@ bool recognise(const deployed<net>& fast, tensor_view<const float, net::input_sh
 }
 #endif
 
+#ifdef CASE_eight_bit_step_without_reference
+// expect: deploy: in 8 bits each step needs a function `reference` for calibration
+struct mute_step : step_base<eight_bit, shape{1, 2}, 2> {};
+template <>
+struct tactnet::step_description<mute_step> {
+    static constexpr void visit(auto&& to) { to("mute_step", "Mute", std::type_identity<eight_bit>{}); }
+};
+const std::size_t map = detail::graph_builder({1, 2}, 0).append<mute_step>(0);
+#endif
+
 #ifdef CASE_eight_bit_average_pool_first
 // expect: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, instance, layer or local response norm: a convolution, a dense layer or a batch norm
 // at-most: 2

@@ -150,10 +150,11 @@ TEST_CASE(
         (([&] {
              using step = typename steps::template at<I>;
              at += step::folded_elements;
-             if constexpr (step::ranges > 1)
+             constexpr bool writes = step::arrays.has_output_range();
+             if constexpr (writes)
                  written.push_back(at - 2);
              if constexpr (I > 0)
-                 read.push_back(at - 2 * step::ranges);
+                 read.push_back(at - (writes ? 4 : 2));
          }()),
          ...);
     }(std::make_index_sequence<steps::size>{});

@@ -115,16 +115,16 @@ private:
         return step.output;
     }
     template <class Step>
-    [[nodiscard]] static constexpr graph_node::function reference_of() {
-        static_assert(
-            requires { &Step::reference; },
-            "deploy: in 8 bits each step needs a function `reference` for calibration");
-        if constexpr (std::is_same_v<decltype(&Step::reference), graph_node::function>)
-            return &Step::reference;
-        else
+    [[nodiscard]] static graph_node::function reference_of() {
+        if constexpr (requires(const float* in, float* out) { Step::reference(in, in, out); })
             return [](const float* folded, const float* in, const float*, float* out) {
                 Step::reference(folded, in, out);
             };
+        else if constexpr (requires(const float* in, float* out) { Step::reference(in, in, in, out); })
+            return &Step::reference;
+        else
+            static_assert(Step::output.size() == 0,
+                          "deploy: in 8 bits each step needs a function `reference` for calibration");
     }
     [[gnu::cold, gnu::noinline]] void push(const graph_node& step, std::size_t folded) {
         folded_ += folded;
