@@ -1,6 +1,6 @@
 # An overlay port: it packages the checkout that it lies in.
 #     vcpkg install tactnet --overlay-ports=packaging/vcpkg
-# packaging/vcpkg/write_registry_port.cmake makes of it the port of a release, for a registry.
+# packaging/vcpkg/write_registry_port.py makes of it the port of a release, for a registry.
 set(SOURCE_PATH "${CURRENT_PORT_DIR}/../../..")
 
 # Headers only: one build, and no program whose paths to libraries would have to be mended.

@@ -86,7 +86,7 @@ struct activation;
 /// max(x, 0); NaN stays NaN.
 struct relu_function {
     static constexpr const char *name = "relu", *title = "ReLU", *type = "tactnet::relu_function",
-                                *header = "";
+                                *header = "tactnet/operators/activations/function.hpp";
     static constexpr bool is_relu = true;
 
     template <class T>

@@ -1,0 +1,44 @@
+"""The one-file forms of the library.
+
+python3 check.py redirect FILE FOLDER     for each header that FILE holds, a file of its name that includes the whole
+python3 check.py same_bytes AMALGAMATE FOLDER      the same sources give the same bytes
+"""
+
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+
+def redirect(file, folder):
+    shutil.rmtree(folder, ignore_errors=True)
+    headers = re.findall("^// ---- (tactnet/.*)$", pathlib.Path(file).read_text(), re.M)
+    if not headers:
+        sys.exit(f"{file}: expected headers, found none")
+    for header in [*headers, "one_file.hpp"]:  # two units of every program, first.cpp and second.cpp, include it by the last name
+        path = pathlib.Path(folder, header)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(f'#pragma once\n#include "{file}"\n')
+
+
+def same_bytes(script, folder):
+    for time in ("once", "twice"):
+        subprocess.run([sys.executable, script, "--out", f"{folder}/{time}"], check=True)
+    for name in ("tactnet.hpp", "tactnet_sensors.hpp"):
+        text = pathlib.Path(folder, "once", name).read_text()
+        if text != pathlib.Path(folder, "twice", name).read_text():
+            sys.exit(f"{name}: expected the same bytes from the same sources, found others")
+        # A line that needs a second file would stop a reader who pastes it.
+        own = re.findall(r'^ *# *include +[<"]tactnet/.*', text, re.M)
+        head = "\n".join(text.splitlines()[:12])
+        if own or not re.search(r"tactnet [0-9]+\.[0-9]+\.[0-9]+.*MIT License", head, re.S):
+            sys.exit(f"{name}: expected version and licence, and no header of its own beside it; found {own}")
+    nowhere = subprocess.run([sys.executable, script, "tactnet/nowhere.hpp", "--out", f"{folder}/nowhere.hpp"], capture_output=True, text=True,
+                             check=False)
+    if not nowhere.returncode or "found no 'tactnet/nowhere.hpp'" not in nowhere.stderr:
+        sys.exit(f"a header that there is not: expected a refusal, found {nowhere.returncode}: {nowhere.stderr}")
+
+
+if __name__ == "__main__":
+    {check.__name__: check for check in (redirect, same_bytes)}[sys.argv[1]](*sys.argv[2:])
