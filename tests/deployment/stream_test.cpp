@@ -10,7 +10,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <limits>
+#include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -214,6 +217,55 @@ TEST_CASE("deployed_stream: a copy of the state is a point to return to, a new o
     memory = {};
     CHECK(stream.run(recording, memory, found) == 9);
     CHECK(same_bits(found, expected));
+}
+
+TEST_CASE("restore_state: what was saved continues bit-identically; damaged bytes change nothing") {
+    const deployed_stream<tagger> stream(drawn_network<tagger>());
+    using state = deployed_stream<tagger>::state;
+    const std::vector<float> recording = recordings(1, 40, 3)[0];
+    const std::span<const float> all(recording);
+    std::vector<float> outputs(40 * stream.outputs), rest(17 * stream.outputs);
+    state memory, again;
+    REQUIRE(stream.run(all.first(23 * 3), memory, outputs) == 23);
+    std::array<std::byte, saved_state_bytes<state>> saved, kept;
+    static_assert(noexcept(save_state(memory, std::span(saved)))&& noexcept(restore_state(saved, memory)));
+    save_state(memory, std::span(saved));
+    REQUIRE(stream.run(all.subspan(23 * 3), memory, outputs) == 17);
+    REQUIRE(restore_state(saved, again) == restore_status::ok);
+    REQUIRE(stream.run(all.subspan(23 * 3), again, rest) == 17);
+    CHECK(std::equal(rest.begin(), rest.end(), outputs.begin()));
+
+    save_state(again, std::span(kept));
+    const auto unchanged = [&] {
+        std::array<std::byte, saved_state_bytes<state>> now;
+        save_state(again, std::span(now));
+        return now == kept;
+    };
+    for (std::size_t byte = 0; byte < saved.size(); ++byte) {
+        auto damaged = saved;
+        damaged[byte] ^= std::byte{16};
+        CHECK(restore_state(damaged, again) ==
+              (byte < 16 ? restore_status::other_state : restore_status::damaged));
+    }
+    CHECK(restore_state(std::span(saved).first(saved.size() - 1), again) == restore_status::other_size);
+    // Numbers that no state has, with a right checksum: wherever they are, NaN.
+    for (std::size_t place = 16; place + 12 <= saved.size(); place += 4) {
+        auto wrong = saved;
+        std::fill_n(wrong.begin() + static_cast<std::ptrdiff_t>(place), 4, std::byte{0xFF});
+        const std::uint64_t sum = xxh64().update(std::span(wrong).first(wrong.size() - 8)).digest();
+        std::memcpy(wrong.data() + wrong.size() - 8, &sum, sizeof(sum));
+        CHECK(restore_state(wrong, again) == restore_status::damaged);
+    }
+    CHECK(unchanged());
+}
+
+TEST_CASE("deployed_stream: a state of damaged bytes gives wrong numbers, and touches no other memory") {
+    const deployed_stream<tagger> stream(drawn_network<tagger>());
+    const auto memory = std::make_unique<deployed_stream<tagger>::state>(); // where a sanitizer looks
+    std::memset(static_cast<void*>(memory.get()), 0x7F, sizeof(*memory));
+    const std::vector<float> recording = recordings(1, 40, 3)[0];
+    std::vector<float> outputs(40 * stream.outputs);
+    CHECK(stream.run(recording, *memory, outputs) == 40);
 }
 
 TEST_CASE("deployed_stream: threads share one stream, each with its own state") {

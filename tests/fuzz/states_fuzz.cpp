@@ -5,6 +5,8 @@
 
 #include <tactnet/decision/discriminant.hpp>
 #include <tactnet/decision/sensor_health.hpp>
+#include <tactnet/operators.hpp>
+#include <tactnet/quantisation.hpp>
 
 #include <algorithm>
 #include <array>
@@ -13,6 +15,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 namespace {
@@ -20,6 +23,24 @@ namespace {
 using health = tactnet::sensor_health<tactnet::shape{3, 8}>;
 using means = tactnet::class_means<2, 3>;
 using map = tactnet::discriminant<3, 2>;
+
+/// The state of a stream, with the calls of other states.
+using net =
+    tactnet::network<tactnet::shape{8, 1, 2}, tactnet::causal_conv1d<3, 3, 2>, tactnet::relu,
+                     tactnet::residual<tactnet::sequence<tactnet::causal_conv1d<3, 2>>>, tactnet::lstm<4>>;
+template <class Format>
+struct stream {
+    using network = tactnet::deployed_stream<net, Format>;
+    static constexpr std::size_t state_bytes = tactnet::saved_state_bytes<typename network::state>;
+    typename network::state memory{};
+
+    void save(std::span<std::byte, state_bytes> to) const { tactnet::save_state(memory, to); }
+    tactnet::restore_status restore(std::span<const std::byte> from) {
+        return tactnet::restore_state(from, memory);
+    }
+};
+using float_stream = stream<tactnet::single_precision>;
+using byte_stream = stream<tactnet::eight_bit>;
 
 void require(bool holds) {
     if (!holds)
@@ -79,6 +100,24 @@ void go_on(map& state) {
         require(std::isfinite(*numbers));
 }
 
+template <class Format>
+void go_on(const stream<Format>& from) { // a copy: sums of numbers as large as can be overflow
+    static const auto network = [] {
+        net drawn;
+        float number = 0;
+        for (float& value : drawn.learnable_values())
+            value = ((number += 37) > 50 ? number -= 101 : number) / 64;
+        if constexpr (std::is_same_v<Format, tactnet::eight_bit>)
+            return tactnet::deploy_stream<Format>(drawn, std::vector<float>(net::input_shape.size(), 0.5F));
+        else
+            return tactnet::deploy_stream(drawn);
+    }();
+    stream<Format> other = from;
+    std::array<float, 4> outputs;
+    for (int frame = 0; frame < 20; ++frame)
+        require(network.step(std::array{0.5F, -1.0F}, other.memory, outputs) == tactnet::frame_status::ok);
+}
+
 template <class State>
 void check(std::span<const std::byte> bytes) {
     State state;
@@ -102,9 +141,9 @@ void check_both(std::span<const std::uint8_t> input) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     const std::span input(data, size);
-    fuzz_forms(size, 3, [&](std::size_t form) {
-        form == 0 ? check_both<health>(input) : form == 1 ? check_both<means>(input) : check_both<map>(input);
-    });
+    constexpr std::array checks{check_both<health>, check_both<means>, check_both<map>,
+                                check_both<float_stream>, check_both<byte_stream>};
+    fuzz_forms(size, checks.size(), [&](std::size_t form) { checks[form](input); });
     return 0;
 }
 
@@ -121,6 +160,10 @@ std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
                 seed.push_back(std::to_integer<std::uint8_t>(bytes[i]));
         }
     };
+    float_stream floats;
+    byte_stream words;
+    words.memory.first.next = 1;
+    add(saved(floats)), add(saved(words));
     add(saved(worn)), add(saved(some)), add(saved(map{{1, 2, 3, 4, 5, 6}, {-1, 0.5f}}));
     return seeds;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/decision/saved_state.hpp>
+#include <tactnet/runtime/saved_state.hpp>
 #include <tactnet/kernels/rows/weighted_rows.hpp>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/decision/padded_frame.hpp>
-#include <tactnet/decision/saved_state.hpp>
+#include <tactnet/runtime/saved_state.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <array>

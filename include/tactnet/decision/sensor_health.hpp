@@ -2,7 +2,7 @@
 
 #include <tactnet/decision/fault_list.hpp>
 #include <tactnet/decision/padded_frame.hpp>
-#include <tactnet/decision/saved_state.hpp>
+#include <tactnet/runtime/saved_state.hpp>
 #include <tactnet/kernels/frame/tactels.hpp>
 #include <tactnet/tensor/shape.hpp>
 

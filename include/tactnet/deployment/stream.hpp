@@ -54,7 +54,7 @@ public:
     static constexpr std::size_t folded_elements = view_type::folded_elements; ///< of `folded`
 
     /// What the network remembers from frame to frame, as a plain struct. `state{}` is the beginning of a
-    /// recording; a copy is a point to return to.
+    /// recording; a copy is a point to return to, and save_state writes it (stream_state.hpp).
     using state = typename view_type::state;
     static constexpr std::size_t state_bytes = view_type::state_bytes;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/deployment/stream_state.hpp>
 #include <tactnet/deployment/streaming/chain.hpp>
 #include <tactnet/deployment/streaming/single_precision.hpp>
 #include <tactnet/deployment/streaming/stream_calls.hpp>
@@ -69,7 +70,7 @@ public:
     using calls::outputs;
     using steps = Steps;
     /// What the stream remembers from frame to frame, as a plain struct. `state{}` is the beginning of a
-    /// recording; a copy is a point to return to.
+    /// recording; a copy is a point to return to, and save_state writes it (stream_state.hpp).
     using state = typename Steps::state;
     static constexpr std::size_t state_bytes = sizeof(state);
 

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <tactnet/runtime/saved_state.hpp>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <type_traits>
+
+// The state of a stream as bytes that outlive the program. Nothing here uses the heap or throws.
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+namespace detail {
+
+/// Calls visit(number, most) for each number of a stream's state, in order; none has a larger magnitude. That
+/// of recurrent layers is the bound of deployed_stream (recurrent_stream_step::output_bound).
+template <class State, class Visit>
+void visit_stream_state(State& state, const Visit& visit) noexcept {
+    if constexpr (requires { state.first; }) { // of two steps
+        visit_stream_state(state.first, visit);
+        visit_stream_state(state.rest, visit);
+    } else if constexpr (requires { state.of_main; }) { // of two branches
+        visit_stream_state(state.of_main, visit);
+        visit_stream_state(state.of_skip, visit);
+    } else if constexpr (requires { state.elements; }) {
+        constexpr bool ring = requires { state.next; };
+        for (auto& element : state.elements)
+            visit(element, ring ? double{std::numeric_limits<float>::max()} : 0x1p24);
+        if constexpr (ring)
+            visit(state.next, static_cast<double>(State::frames - 1));
+    } else {
+        static_assert(std::is_empty_v<State>, "stream_state: a state of this kind is not known");
+    }
+}
+template <class State>
+[[nodiscard]] constexpr std::size_t stream_state_numbers() {
+    if constexpr (requires(State state) { state.first; })
+        return stream_state_numbers<decltype(State::first)>() + stream_state_numbers<decltype(State::rest)>();
+    else if constexpr (requires(State state) { state.of_main; })
+        return stream_state_numbers<decltype(State::of_main)>() +
+               stream_state_numbers<decltype(State::of_skip)>();
+    else if constexpr (requires(State state) { state.next; })
+        return sizeof(State::elements) + sizeof(State::next);
+    else if constexpr (requires(State state) { state.elements; })
+        return sizeof(State::elements);
+    else
+        return 0;
+}
+template <class State>
+inline constexpr state_header stream_state_header{
+    .kind = {'s', 't', 'r', 'm'}, .sizes = {static_cast<std::uint32_t>(stream_state_numbers<State>()), 0}};
+
+} // namespace detail
+
+/// The bytes of a saved state of a stream.
+template <class State>
+inline constexpr std::size_t saved_state_bytes =
+    detail::state_header_bytes + detail::stream_state_numbers<State>() + detail::state_checksum_bytes;
+
+/// Writes the state of a stream, with a checksum. It continues with the same network, compiled for the same
+/// instruction set:
+///
+///     std::array<std::byte, tactnet::saved_state_bytes<stream::state>> bytes;
+///     tactnet::save_state(memory, std::span(bytes));
+///     …
+///     if (tactnet::restore_state(bytes, memory) != tactnet::restore_status::ok) // memory is unchanged
+template <class State>
+void save_state(const State& state, std::span<std::byte, saved_state_bytes<State>> to) noexcept {
+    detail::state_writer writer(to, detail::stream_state_header<State>);
+    detail::visit_stream_state(state, [&](auto number, double) { writer.put(number); });
+    writer.finish();
+}
+
+/// Takes what save_state wrote, in place of a state. Unless the result is ok, nothing changes: for damaged
+/// bytes, and for numbers that no state has (not finite, or a place beyond a ring of frames).
+template <class State>
+[[nodiscard]] restore_status restore_state(std::span<const std::byte> from, State& state) noexcept {
+    detail::state_reader reader;
+    if (const restore_status opened =
+            reader.open(from, saved_state_bytes<State>, detail::stream_state_header<State>);
+        opened != restore_status::ok)
+        return opened;
+    detail::state_reader ahead = reader;
+    bool possible = true;
+    detail::visit_stream_state(state, [&](auto number, double most) {
+        ahead.take(number);
+        possible &= std::abs(static_cast<double>(number)) <= most; // false for NaN
+    });
+    if (!possible)
+        return restore_status::damaged;
+    detail::visit_stream_state(state, [&](auto& number, double) { reader.take(number); });
+    return restore_status::ok;
+}
+
+}} // namespace tactnet
