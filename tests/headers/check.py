@@ -4,7 +4,7 @@ python3 check.py configuration INCLUDE X86 ARMHF_COMPILER COMPILER...    an olde
                                  the library does without, and without xsimd, even without TACTNET_NO_SIMD
 python3 check.py sources INCLUDE PAGE TO       writes units of each header by itself, of all, and of those that PAGE lists as fit for programs
                                  without exceptions; lists the first, apart those that include xsimd
-python3 check.py instruction_sets INCLUDE COMPILER       each option that changes the code changes the inline namespace
+python3 check.py instruction_sets INCLUDE COMPILER       each macro in the table of instruction sets changes the inline namespace
 """
 
 import os
@@ -13,27 +13,6 @@ import re
 import subprocess
 import sys
 
-SETS = """-march=x86-64
--msse3
--mssse3
--msse4.1
--msse4.2
--mavx
--mavx -mfma
--mavx -mfma4
--mavx2
--mavx2 -mfma
--mavx2 -mfma -mbmi2
--mavx2 -mfma -mbmi2 -mlzcnt
--mfma -mavx512f
--mfma -mavx512f -mavx512cd
--mfma -mavx512f -mavx512cd -mavx512dq
--mfma -mavx512f -mavx512cd -mavx512dq -mavx512bw
--mfma -mavx512f -mavx512cd -mavx512dq -mavx512bw -mavx512vl
--mfma -mavx512f -mavx512cd -mavx512dq -mavx512bw -mavx512vl -mavx512vnni
--mfma -mavx512f -mavx512cd -mavx512dq -mavx512bw -mavx512vl -mavx512vbmi
--DTACTNET_NO_SIMD
--DTACTNET_NO_SIMD -mavx2"""
 WITHOUT_VECTORS = """#include <tactnet/deployment/deployed_view.hpp>
 #include <tactnet/networks.hpp>
 #if !defined(TACTNET_NO_SIMD) || defined(XSIMD_VERSION_MAJOR)
@@ -76,8 +55,12 @@ def configuration(include, x86, armhf, *compilers):
 
 def instruction_sets(include, compiler):
     """Units for different instruction sets must not share a name."""
+    table = re.search("// The table of names(.*)// Arguments are expanded", (pathlib.Path(include) / "tactnet/detail/config.hpp").read_text(), re.S)
+    macros = dict.fromkeys(re.findall(r"__[A-Za-z0-9_]+", table[1]))
+    macros["__ARM_FEATURE_SVE_BITS"] = "-D__ARM_FEATURE_SVE=1"
+    sets = ["-undef", *(f"-undef -D{macro}=1 {others or ''}" for macro, others in macros.items()), "-undef -D__SSE2__ -DTACTNET_NO_SIMD"]
     names = {}
-    for options in SETS.splitlines():
+    for options in [*sets, "-march=x86-64-v3", "-march=x86-64-v3 -DTACTNET_NO_SIMD"]:
         _, output = compiled(include, "#include <tactnet/detail/config.hpp>\nname: TACTNET_ARCH\n", compiler, "-std=c++20", *options.split(), "-E", "-P")
         name = re.search("name: ([a-zA-Z0-9_]+)\n", output)
         if not name:
@@ -86,6 +69,8 @@ def instruction_sets(include, compiler):
             sys.exit(f"'{options}' gives the name {name[1]}, which '{names[name[1]]}' has")
         names[name[1]] = options
     print(*names)
+    if len(names) < 25 or not {"for_avx2fbl", "for_scalar_avx2fbl"} <= names.keys():
+        sys.exit("expected a name for each macro in the table of detail/config.hpp, and for_avx2fbl")
 
 
 def sources(include, page, to):

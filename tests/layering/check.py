@@ -53,7 +53,7 @@ ONLY = {
 }
 # What the folders of kernels/ may include of each other; "" stands for headers next to the folders. What a deployed network runs includes
 # nothing that only trainings need.
-KERNELS = {"simd": "", "batch": "simd", "integer": "simd", "map": "simd", "panels": "simd", "frame": "panels simd", "rows": "panels simd", "": "simd"}
+KERNELS = {"arch": "", "simd": "arch", "batch": "simd", "integer": "arch simd", "map": "simd", "panels": "simd", "frame": "arch panels simd", "rows": "arch panels simd", "": "simd"}
 # Folders that only these and they themselves include: a simulation of your own objects does not pay for the paper's 22 classes.
 CLOSED = {"simulation/paper": "simulation.hpp"}
 # What only kernels/ may know.

@@ -1,7 +1,7 @@
 #include "../deployment/eight_bit/networks.hpp"
 
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/caches.hpp>
-#include <tactnet/kernels/integer/byte_products.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>

@@ -35,96 +35,97 @@
 #define TACTNET_NO_SIMD
 #endif
 
+// The table of names: each has a short form for the namespace and a long one for people.
+#define TACTNET_ARCH_SHORT(name, text) name
+#define TACTNET_ARCH_LONG(name, text) text
 #if defined(TACTNET_NO_SIMD)
-#define TACTNET_ARCH_KIND for_scalar_
+#define TACTNET_ARCH_KIND(form) form(for_scalar_, "scalar")
 #else
-#define TACTNET_ARCH_KIND for_
+#define TACTNET_ARCH_KIND(form) form(for_, "simd")
 #endif
-
 // A level includes those below it. Vectors of SVE have the length for which they are compiled, if that is
 // fixed.
-#define TACTNET_ARCH_SVE(bits) TACTNET_ARCH_SVE_JOINED(bits)
-#define TACTNET_ARCH_SVE_JOINED(bits) sve##bits
 #if defined(__AVX512F__)
-#define TACTNET_ARCH_LEVEL avx512
+#define TACTNET_ARCH_LEVEL(form) form(avx512, "_avx512f")
 #elif defined(__AVX2__)
-#define TACTNET_ARCH_LEVEL avx2
+#define TACTNET_ARCH_LEVEL(form) form(avx2, "_avx2")
 #elif defined(__AVX__)
-#define TACTNET_ARCH_LEVEL avx
+#define TACTNET_ARCH_LEVEL(form) form(avx, "_avx")
 #elif defined(__SSE4_2__)
-#define TACTNET_ARCH_LEVEL sse42
+#define TACTNET_ARCH_LEVEL(form) form(sse42, "_sse42")
 #elif defined(__SSE4_1__)
-#define TACTNET_ARCH_LEVEL sse41
+#define TACTNET_ARCH_LEVEL(form) form(sse41, "_sse41")
 #elif defined(__SSSE3__)
-#define TACTNET_ARCH_LEVEL ssse3
+#define TACTNET_ARCH_LEVEL(form) form(ssse3, "_ssse3")
 #elif defined(__SSE3__)
-#define TACTNET_ARCH_LEVEL sse3
+#define TACTNET_ARCH_LEVEL(form) form(sse3, "_sse3")
 #elif defined(__SSE2__)
-#define TACTNET_ARCH_LEVEL sse2
+#define TACTNET_ARCH_LEVEL(form) form(sse2, "_sse2")
 #elif defined(__ARM_FEATURE_SVE) && __ARM_FEATURE_SVE_BITS > 0
-#define TACTNET_ARCH_LEVEL TACTNET_ARCH_SVE(__ARM_FEATURE_SVE_BITS)
+#define TACTNET_ARCH_LEVEL(form)                                                                             \
+    form(TACTNET_ARCH_JOIN(sve, __ARM_FEATURE_SVE_BITS), "_sve" TACTNET_ARCH_TEXT(__ARM_FEATURE_SVE_BITS))
 #elif defined(__ARM_FEATURE_SVE)
-#define TACTNET_ARCH_LEVEL sve
+#define TACTNET_ARCH_LEVEL(form) form(sve, "_sve")
 #elif defined(__aarch64__)
-#define TACTNET_ARCH_LEVEL neon
+#define TACTNET_ARCH_LEVEL(form) form(neon, "_neon64")
 #elif defined(__wasm_simd128__)
-#define TACTNET_ARCH_LEVEL wasm128
+#define TACTNET_ARCH_LEVEL(form) form(wasm128, "_wasm128")
 #else
-#define TACTNET_ARCH_LEVEL base
+#define TACTNET_ARCH_LEVEL(form) form(base, "")
 #endif
+// Extensions: the macro of the compiler, which is 1 if there is one. A letter each; capitals where AMD and
+// Intel differ.
+// clang-format off
+#define TACTNET_ARCH_EXTENSIONS(add, level)       \
+    add(add(add(add(add(add(add(add(add(add(add(add(add(level, \
+        __FMA__, f, "_fma"),                      \
+        __FMA4__, F, "_fma4"),                    \
+        __BMI2__, b, "_bmi2"),                    \
+        __LZCNT__, l, "_lzcnt"),                  \
+        __AVX512CD__, c, "_cd"),                  \
+        __AVX512DQ__, d, "_dq"),                  \
+        __AVX512BW__, w, "_bw"),                  \
+        __AVX512VL__, v, "_vl"),                  \
+        __AVX512VBMI__, m, "_vbmi"),              \
+        __AVX512VNNI__, n, "_vnni"),              \
+        __AVXVNNI__, N, "_avxvnni"),              \
+        __ARM_FEATURE_DOTPROD, p, "_dotprod"),    \
+        __ARM_FEATURE_SIMD32, s, "_dsp")
+// clang-format on
 
-// `text` if a macro of the compiler is 1, and nothing if it is not defined.
-#define TACTNET_ARCH_IF(macro, text) TACTNET_ARCH_IF_EXPANDED(macro, text)
-#define TACTNET_ARCH_IF_EXPANDED(value, text) TACTNET_ARCH_SECOND(TACTNET_ARCH_COMMA_IF_##value text, , )
+// Arguments are expanded before they are joined or become a text.
+#define TACTNET_ARCH_JOIN(first, second) TACTNET_ARCH_JOINED(first, second)
+#define TACTNET_ARCH_JOINED(first, second) first##second
+#define TACTNET_ARCH_TEXT(...) TACTNET_ARCH_TEXT_OF(__VA_ARGS__)
+#define TACTNET_ARCH_TEXT_OF(...) #__VA_ARGS__
+// `yes` if a macro of the compiler is 1, and nothing if it is not defined.
+#define TACTNET_ARCH_IF(value, yes)                                                                          \
+    TACTNET_ARCH_SECOND(TACTNET_ARCH_JOIN(TACTNET_ARCH_COMMA_IF_, value) yes, , )
 #define TACTNET_ARCH_SECOND(...) TACTNET_ARCH_SECOND_OF(__VA_ARGS__)
 #define TACTNET_ARCH_SECOND_OF(first, second, ...) second
 #define TACTNET_ARCH_COMMA_IF_1 ,
-
-// One letter per extension; capitals where AMD and Intel differ, or for ARM.
-#define TACTNET_ARCH_FMA TACTNET_ARCH_IF(__FMA__, f)
-#define TACTNET_ARCH_FMA4 TACTNET_ARCH_IF(__FMA4__, F)
-#define TACTNET_ARCH_BMI2 TACTNET_ARCH_IF(__BMI2__, b)
-#define TACTNET_ARCH_LZCNT TACTNET_ARCH_IF(__LZCNT__, l)
-#define TACTNET_ARCH_CD TACTNET_ARCH_IF(__AVX512CD__, c)
-#define TACTNET_ARCH_DQ TACTNET_ARCH_IF(__AVX512DQ__, d)
-#define TACTNET_ARCH_BW TACTNET_ARCH_IF(__AVX512BW__, w)
-#define TACTNET_ARCH_VL TACTNET_ARCH_IF(__AVX512VL__, v)
-#define TACTNET_ARCH_VBMI TACTNET_ARCH_IF(__AVX512VBMI__, m)
-#define TACTNET_ARCH_VNNI TACTNET_ARCH_IF(__AVX512VNNI__, n)
-#define TACTNET_ARCH_AVXVNNI TACTNET_ARCH_IF(__AVXVNNI__, N)
-#define TACTNET_ARCH_DOTPROD TACTNET_ARCH_IF(__ARM_FEATURE_DOTPROD, p)
-#if defined(__arm__)
-#define TACTNET_ARCH_DSP TACTNET_ARCH_IF(__ARM_FEATURE_DSP, s)
-#else
-#define TACTNET_ARCH_DSP
-#endif
+#define TACTNET_ARCH_ADD_SHORT(before, macro, letter, text)                                                  \
+    TACTNET_ARCH_JOIN(before, TACTNET_ARCH_IF(macro, letter))
+#define TACTNET_ARCH_ADD_LONG(before, macro, letter, text) before TACTNET_ARCH_IF(macro, text)
 
 // Cache sizes, where they are configured (kernels/caches.hpp), decide how much memory a kernel takes. They
 // must be plain numbers, since they become part of the name, and be defined before the first header.
-#define TACTNET_ARCH_SIZE_JOINED(name, size) _##name##_##size
-#define TACTNET_ARCH_SIZE(name, size) TACTNET_ARCH_SIZE_JOINED(name, size)
 #if defined(TACTNET_L1_CACHE_KIB)
-#define TACTNET_ARCH_L1 TACTNET_ARCH_SIZE(l1, TACTNET_L1_CACHE_KIB)
+#define TACTNET_ARCH_L1 TACTNET_ARCH_JOIN(_l1_, TACTNET_L1_CACHE_KIB)
 #else
 #define TACTNET_ARCH_L1
 #define TACTNET_L1_CACHE_BY_DEFAULT
 #endif
 #if defined(TACTNET_L2_CACHE_KIB)
-#define TACTNET_ARCH_L2 TACTNET_ARCH_SIZE(l2, TACTNET_L2_CACHE_KIB)
+#define TACTNET_ARCH_L2 TACTNET_ARCH_JOIN(_l2_, TACTNET_L2_CACHE_KIB)
 #else
 #define TACTNET_ARCH_L2
 #define TACTNET_L2_CACHE_BY_DEFAULT
 #endif
 
-#define TACTNET_ARCH_JOINED(kind, level, fma, fma4, bmi2, lzcnt, cd, dq, bw, vl, vbmi, vnni, avxvnni,        \
-                            dotprod, dsp, l1, l2)                                                            \
-    kind##level##fma##fma4##bmi2##lzcnt##cd##dq##bw##vl##vbmi##vnni##avxvnni##dotprod##dsp##l1##l2
-// A second macro, so that its arguments are expanded before they are joined.
-#define TACTNET_ARCH_JOIN(...) TACTNET_ARCH_JOINED(__VA_ARGS__)
 /// For example for_avx2fbl, or for_scalar_sse2.
 #define TACTNET_ARCH                                                                                         \
-    TACTNET_ARCH_JOIN(TACTNET_ARCH_KIND, TACTNET_ARCH_LEVEL, TACTNET_ARCH_FMA, TACTNET_ARCH_FMA4,            \
-                      TACTNET_ARCH_BMI2, TACTNET_ARCH_LZCNT, TACTNET_ARCH_CD, TACTNET_ARCH_DQ,               \
-                      TACTNET_ARCH_BW, TACTNET_ARCH_VL, TACTNET_ARCH_VBMI, TACTNET_ARCH_VNNI,                \
-                      TACTNET_ARCH_AVXVNNI, TACTNET_ARCH_DOTPROD, TACTNET_ARCH_DSP, TACTNET_ARCH_L1,         \
-                      TACTNET_ARCH_L2)
+    TACTNET_ARCH_JOIN(TACTNET_ARCH_EXTENSIONS(TACTNET_ARCH_ADD_SHORT,                                        \
+                                              TACTNET_ARCH_JOIN(TACTNET_ARCH_KIND(TACTNET_ARCH_SHORT),       \
+                                                                TACTNET_ARCH_LEVEL(TACTNET_ARCH_SHORT))),    \
+                      TACTNET_ARCH_JOIN(TACTNET_ARCH_L1, TACTNET_ARCH_L2))

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/simd/compiler_vector.hpp>
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 
 #include <cstddef>

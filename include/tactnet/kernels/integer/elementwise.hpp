@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
-#include <tactnet/kernels/simd/compiler_vector.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ template <std::size_t Lanes, class Count>
         beyond = ~fits;
         scaled = fits ? scaled : float_vec<Lanes>{};
     } else {
-        const int32_vec<Lanes> whole = to_int32<Lanes>(load_bytes_as<uint8_vec<Lanes>>(counts));
+        const int32_vec<Lanes> whole = instructions::to_int32<Lanes>(load_bytes_as<uint8_vec<Lanes>>(counts));
         scaled = __builtin_convertvector(whole, float_vec<Lanes>) * steps;
     }
     store_any(words, __builtin_convertvector(nearest<Lanes>(scaled) - middle, int16_vec<Lanes>));
@@ -98,7 +98,7 @@ struct byte_sum {
     void add(const std::uint8_t* added, std::uint8_t* to) const noexcept {
         constexpr std::size_t width = max_integer_lanes;
         const auto load = [](const std::uint8_t* from) {
-            return to_int32<width>(load_bytes_as<uint8_vec<width>>(from));
+            return instructions::to_int32<width>(load_bytes_as<uint8_vec<width>>(from));
         };
         for (std::size_t e = 0; e < Count; e += width)
             store_rounded<width>(to + e, load(to + e) * weights[0] + load(added + e) * weights[1] + start,

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
 #include <tactnet/kernels/local_response.hpp>
-#include <tactnet/kernels/simd/compiler_vector.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
 #include <algorithm>
@@ -65,7 +65,7 @@ void normalise_byte_responses(std::size_t pixels, const byte_response_constants&
             store(powers.data() + c, Rule::template power<float>(load(powers.data() + c)));
         for (std::size_t c = 0; c < Stride; c += width) {
             const int32_vec<width> distances =
-                to_int32<width>(load_bytes_as<uint8_vec<width>>(in + c)) - constants.zero;
+                instructions::to_int32<width>(load_bytes_as<uint8_vec<width>>(in + c)) - constants.zero;
             const float_vec<width> factors = load_bytes_as<float_vec<width>>(powers.data() + c) * factor;
             store_rounded<width>(out + c, distances, factors, range);
         }

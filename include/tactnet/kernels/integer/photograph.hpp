@@ -1,7 +1,7 @@
 #pragma once
 
+#include <tactnet/kernels/arch/compiler_vector.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
-#include <tactnet/kernels/simd/compiler_vector.hpp>
 
 #include <array>
 #include <cstddef>

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
-#include <tactnet/kernels/simd/compiler_vector.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
-#include <tactnet/kernels/simd/compiler_vector.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -28,7 +28,7 @@ void resample_bytes(const std::uint8_t* input, std::uint8_t zero, std::uint8_t* 
                 int32_vec<width> sum = start;
                 for (std::size_t y = 0; y < Down::taps; ++y)
                     for (std::size_t x = 0; x < Along::taps; ++x)
-                        sum += to_int32<width>(load_bytes_as<uint8_vec<width>>(
+                        sum += instructions::to_int32<width>(load_bytes_as<uint8_vec<width>>(
                                    from + (y * Along::inputs + x) * Stride + channel)) *
                                (above.parts[y] * beside.parts[x]);
                 store_rounded<width>(output + channel, sum, factors, range);

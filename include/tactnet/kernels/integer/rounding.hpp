@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/simd/compiler_vector.hpp>
+#include <tactnet/kernels/arch/selected.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -51,17 +51,14 @@ namespace detail {
 /// The last 8 bits of each integer.
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline uint8_vec<Lanes> last_bytes(const int32_vec<Lanes>& whole) {
-    using bytes = uint8_vec<Lanes>;
-#if !defined(TACTNET_NO_SIMD) && ((defined(__SSSE3__) && !defined(__AVX512VL__)) || defined(__aarch64__))
     // A shuffle, since GCC 12 converts lane by lane.
     const auto all = load_bytes_as<uint8_vec<4 * Lanes>>(&whole);
-    if constexpr (Lanes == 4)
+    if constexpr (instructions::shuffles_bytes && Lanes == 4)
         return __builtin_shufflevector(all, all, 0, 4, 8, 12);
-    else if constexpr (Lanes == 8)
+    else if constexpr (instructions::shuffles_bytes && Lanes == 8)
         return __builtin_shufflevector(all, all, 0, 4, 8, 12, 16, 20, 24, 28);
     else
-#endif
-        return __builtin_convertvector(whole, bytes);
+        return __builtin_convertvector(whole, uint8_vec<Lanes>);
 }
 
 /// `with_nearest` of values clamped to the range relative to its zero; NaN becomes the lowest.
@@ -132,7 +129,8 @@ struct integer_epilogue {
     template <std::size_t Lanes>
     [[nodiscard]] [[gnu::always_inline]] int32_vec<Lanes> added_term(const std::uint8_t* other,
                                                                      std::size_t vector) const {
-        return to_int32<Lanes>(load_bytes_as<uint8_vec<Lanes>>(other)) * added_weight<Lanes>(vector);
+        return instructions::to_int32<Lanes>(load_bytes_as<uint8_vec<Lanes>>(other)) *
+               added_weight<Lanes>(vector);
     }
     /// sum × factor without rounding, after ReLU if `Rectified`.
     template <std::size_t Lanes, bool Rectified>

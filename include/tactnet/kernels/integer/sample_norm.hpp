@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
-#include <tactnet/kernels/simd/compiler_vector.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -63,7 +63,7 @@ struct lane_sums {
     static constexpr std::size_t most = std::size_t{1} << 15;
 
     [[gnu::always_inline]] void add(const std::uint8_t* from) {
-        const int32_vec<Lanes> bytes = to_int32<Lanes>(load_bytes_as<uint8_vec<Lanes>>(from));
+        const int32_vec<Lanes> bytes = instructions::to_int32<Lanes>(load_bytes_as<uint8_vec<Lanes>>(from));
         totals += bytes, squares += bytes * bytes;
     }
 };
@@ -74,7 +74,8 @@ template <std::size_t Lanes>
                                                   const int32_vec<Lanes>& sums,
                                                   const float_vec<Lanes>& factors, std::size_t parameter,
                                                   const byte_norm_parameters& by, std::uint8_t* out) {
-    const int32_vec<Lanes> distances = to_int32<Lanes>(load_bytes_as<uint8_vec<Lanes>>(in)) * count - sums;
+    const int32_vec<Lanes> distances =
+        instructions::to_int32<Lanes>(load_bytes_as<uint8_vec<Lanes>>(in)) * count - sums;
     const std::size_t at = parameter * sizeof(float);
     float_vec<Lanes> scaled = __builtin_convertvector(distances, float_vec<Lanes>) * factors *
                               load_bytes_as<float_vec<Lanes>>(by.weights + at);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/kernels/simd/compiler_vector.hpp>
+#include <tactnet/kernels/arch/compiler_vector.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 

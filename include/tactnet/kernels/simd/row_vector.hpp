@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/kernels/simd/compiler_vector.hpp>
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
@@ -32,7 +32,7 @@ template <class Vector>
     constexpr std::size_t size = Vector::size;
     uint8_vec<size> values;
     std::memcpy(&values, from, sizeof(values));
-    return Vector(__builtin_convertvector(to_int32<size>(values), float_vec<size>));
+    return Vector(__builtin_convertvector(instructions::to_int32<size>(values), float_vec<size>));
 }
 /// Clamps to low … high; NaN becomes `low`. In compiler vectors, which give two instructions; converted to
 /// floats, since WebAssembly's register type is one of integers.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/simd/compiler_vector.hpp>
+#include <tactnet/kernels/arch/compiler_vector.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
 #include <array>

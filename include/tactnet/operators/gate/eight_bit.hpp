@@ -1,7 +1,7 @@
 #pragma once
 
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
-#include <tactnet/kernels/simd/compiler_vector.hpp>
 #include <tactnet/lowering/eight_bit_format.hpp>
 #include <tactnet/lowering/quantise.hpp>
 #include <tactnet/operators/gate/step.hpp>
@@ -52,7 +52,8 @@ public:
                 const auto bytes = kernels::load_bytes_as<kernels::uint8_vec<width>>(in + pixel + c);
                 const auto times = kernels::load_bytes_as<kernels::int32_vec<width>>(steps.data() + c);
                 kernels::store_rounded<width>(
-                    out + pixel + c, (kernels::to_int32<width>(bytes) - zero_of_input) * times, scale, range);
+                    out + pixel + c, (kernels::instructions::to_int32<width>(bytes) - zero_of_input) * times,
+                    scale, range);
             }
     }
     /// For calibration.

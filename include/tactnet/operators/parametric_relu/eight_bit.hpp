@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
 #include <tactnet/lowering/eight_bit_format.hpp>
 #include <tactnet/lowering/quantise.hpp>
@@ -46,7 +47,7 @@ public:
         const kernels::byte_range range{0, 255, detail::load_byte(packed_values + zero)};
         for (std::size_t pixel = 0; pixel < Map.area() * Stride; pixel += Stride)
             for (std::size_t c = 0; c < Stride; c += width) {
-                const auto steps = kernels::to_int32<width>(
+                const auto steps = kernels::instructions::to_int32<width>(
                                        kernels::load_bytes_as<kernels::uint8_vec<width>>(in + pixel + c)) -
                                    zero_of_input;
                 const auto factor_below = kernels::load_bytes_as<floats>(packed_values + sizeof(float) * c);

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
-#include <tactnet/kernels/integer/byte_products.hpp>
 #include <tactnet/kernels/integer/interleave.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>

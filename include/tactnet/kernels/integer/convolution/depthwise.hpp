@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/integer/convolution/depthwise_layout.hpp>
 #include <tactnet/kernels/integer/interleave.hpp>
@@ -143,7 +144,7 @@ convolve_depthwise_block(const std::uint8_t* staged, const std::int8_t* weights,
     for (std::size_t o = 0; o < pixels; ++o) {
         Output* const to = pixel(o / pooled_columns, o % pooled_columns);
         if constexpr (std::is_same_v<Output, std::uint8_t>) {
-            const auto bytes = narrow<lanes>(results[o]);
+            const auto bytes = instructions::narrow<lanes>(results[o]);
             std::memcpy(to, &bytes, Channels);
         } else {
             for (std::size_t c = 0; c < Channels; ++c)

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
-#include <tactnet/kernels/integer/byte_products.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
 #include <tactnet/kernels/method_list.hpp>

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <tactnet/kernels/integer/byte_products.hpp>
+#include <tactnet/kernels/arch/compiler_vector.hpp>
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/integer/convolution/winograd_tiles.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
-#include <tactnet/kernels/simd/compiler_vector.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
@@ -55,7 +55,7 @@ template <frame_convolution C, class Tiles>
         for (std::size_t channel = 0; channel < Tiles::channels; channel += Tiles::input_width)
             transform_tile_input<words, rows, columns>(
                 [&](std::size_t y, std::size_t x) __attribute__((always_inline)) {
-                    return to_int16<Tiles::input_width>(
+                    return instructions::to_int16<Tiles::input_width>(
                         load_bytes_as<bytes>(pixels[y * columns + x] + channel));
                 },
                 [&](std::size_t y, std::size_t x, const words& element) __attribute__((always_inline)) {

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/integer/convolution/tile_lines.hpp>
-#include <tactnet/kernels/integer/word_products.hpp>
 #include <tactnet/kernels/tile_shape.hpp>
 
 #include <algorithm>
@@ -74,7 +74,8 @@ struct integer_tiling {
     /// their loads and stores. A twentieth more than that, since tiles have more weights than taps.
     [[nodiscard]] constexpr std::size_t cost() const {
         const std::size_t weight = weight_bytes() > l2_cache_bytes ? far_weight : near_weight,
-                          products = groups() * vectors() * std::max(word_product_cost * count(), weight),
+                          products = groups() * vectors() *
+                                     std::max(instructions::word_product_cost * count(), weight),
                           lines = line_cost(side().rows) + line_cost(side().columns),
                           inputs = (5 + lines) * count() * (channels() / input_width()),
                           of_outputs = (3 + lines) * count() * vectors();

@@ -1,4 +1,4 @@
-#include <tactnet/kernels/simd/compiler_vector.hpp>
+#include <tactnet/kernels/arch/selected.hpp>
 
 #include <doctest/doctest.h>
 
@@ -25,9 +25,9 @@ std::size_t bytes_changed(Convert convert) {
     return changed;
 }
 template <std::size_t Lanes>
-constexpr auto to_words = [](const auto& bytes) { return kernels::to_int16<Lanes>(bytes); };
+constexpr auto to_words = [](const auto& bytes) { return kernels::instructions::to_int16<Lanes>(bytes); };
 template <std::size_t Lanes>
-constexpr auto to_whole = [](const auto& bytes) { return kernels::to_int32<Lanes>(bytes); };
+constexpr auto to_whole = [](const auto& bytes) { return kernels::instructions::to_int32<Lanes>(bytes); };
 
 } // namespace
 
