@@ -1,9 +1,15 @@
 #pragma once
 
-#include <tactnet/kernels/arch/arm_dsp.hpp>
-#include <tactnet/kernels/arch/dot_product.hpp>
+// Only what the processor may have is read.
+#if defined(__SSE2__)
 #include <tactnet/kernels/arch/vnni.hpp>
+#elif defined(__aarch64__)
+#include <tactnet/kernels/arch/dot_product.hpp>
+#elif defined(__wasm__)
 #include <tactnet/kernels/arch/wasm.hpp>
+#else
+#include <tactnet/kernels/arch/arm_dsp.hpp>
+#endif
 
 #include <cstddef>
 
