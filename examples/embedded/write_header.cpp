@@ -1,7 +1,7 @@
 // Writes a network as a header. With a weight file, those weights; without, a network that has learnt
 // nothing, which is enough to build the example. The program `tactnet` does the same for all its networks.
 
-#include <tactnet/deployment/deploy.hpp>
+#include <tactnet/deployment.hpp>
 #include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/write_file.hpp>

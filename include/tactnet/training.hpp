@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/data/sample_batch.hpp>
 #include <tactnet/training/data/split.hpp>

@@ -1,4 +1,5 @@
 #include <tactnet/networks.hpp>
+#include <tactnet/networks/batch_passes.hpp>
 
 using namespace tactnet;
 
@@ -116,7 +117,7 @@ constexpr auto parameters = network<shape{7, 13, 6}, group_norm<0>>::parameters;
 #endif
 
 #ifdef CASE_incomplete_layer
-// expect: sequence: expected a layer; the concept layer shows what is missing
+// expect: network: a layer of this kind has no functions for batches: include tactnet/training.hpp, or specialise trained_layer for a layer of your own; batch_layer shows what is missing
 // expect: backward
 // characters: 16000
 struct forward_only {
@@ -125,10 +126,12 @@ struct forward_only {
     static constexpr layer_costs costs(const shape& input) { return {.output = input}; }
 
     template <class T, shape Input>
-    struct layer : layer_base<T, Input, forward_only> {
-        static void infer(const execution_context&, const T*, const T*, no_memory&, input_view<T, Input>,
-                          output_view<T, Input>) {}
-    };
+    using layer = layer_base<T, Input, forward_only>;
+};
+template <class T, shape Input>
+struct tactnet::trained_layer<forward_only, T, Input> : trained_base<forward_only, T, Input> {
+    static void infer(const execution_context&, const T*, const T*, no_memory&, input_view<T, Input>,
+                      output_view<T, Input>) {}
 };
 using net = network<shape{28, 50}, conv2d<8, 5>, forward_only, dense<22>>;
 void prepare(const net& network, thread_pool& threads, net::workspace& space) {

@@ -1,6 +1,6 @@
 #include "deployed_network.hpp"
 
-#include <tactnet/deployment/deploy.hpp>
+#include <tactnet/deployment.hpp>
 #include <tactnet/deployment/reflection_average.hpp>
 
 #include <doctest/doctest.h>

@@ -5,6 +5,7 @@
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/save_model.hpp>
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/operators.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>

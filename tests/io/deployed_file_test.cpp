@@ -2,6 +2,7 @@
 #include <tactnet/io/deployed_file.hpp>
 #include <tactnet/io/eight_bit_file.hpp>
 #include <tactnet/io/save_model.hpp>
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/quantisation.hpp>
 

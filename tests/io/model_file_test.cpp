@@ -2,6 +2,7 @@
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/save_model.hpp>
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/training/initialise.hpp>
 

@@ -5,6 +5,7 @@
 #include <tactnet/io/save_model.hpp>
 #include <tactnet/io/svm_file.hpp>
 #include <tactnet/io/write_file.hpp>
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/operators.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/networks/network.hpp>
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/training/initialise.hpp>
 #include <tactnet/training/loss.hpp>
 

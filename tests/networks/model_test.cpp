@@ -1,3 +1,4 @@
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/model.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/normalisation.hpp>

@@ -1,4 +1,4 @@
-#include <tactnet/networks/network.hpp>
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/networks/tactresnet.hpp>
 #include <tactnet/operators.hpp>

@@ -1,3 +1,4 @@
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/networks/symmetric_window.hpp>
 #include <tactnet/networks/tactnet4.hpp>

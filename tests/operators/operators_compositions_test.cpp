@@ -1,7 +1,6 @@
 #include <tactnet/networks/network.hpp>
-#include <tactnet/operators.hpp>
-#include <tactnet/operators/concatenation/layer.hpp>
 #include <tactnet/operators/sequence/named.hpp>
+#include <tactnet/operators/training.hpp>
 
 #include <doctest/doctest.h>
 
@@ -37,7 +36,7 @@ TEST_CASE("concatenation: names of its branches") {
 }
 TEST_CASE("concatenation: branches drop out other elements") {
     constexpr shape size{8, 8, 4};
-    using bound = concatenation<dropout<50>, dropout<50>>::layer<float, size>;
+    using bound = trained_layer<concatenation<dropout<50>, dropout<50>>, float, size>;
     thread_pool threads;
     batch<float, size, kernels::lanes<float>> in(1);
     batch<float, bound::output, kernels::lanes<float>> out(1);

@@ -1,5 +1,4 @@
-#include <tactnet/operators.hpp>
-#include <tactnet/operators/batch_norm/layer.hpp>
+#include <tactnet/operators/training.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <doctest/doctest.h>
@@ -28,7 +27,7 @@ TEST_CASE("batch_norm: what must hold of every layer") {
 
 namespace {
 
-using bound = batch_norm::layer<float, shape{3, 2, 2}>;
+using bound = trained_layer<batch_norm, float, shape{3, 2, 2}>;
 using images = batch<float, shape{3, 2, 2}, kernels::lanes<float>>;
 
 struct trained {
@@ -92,7 +91,7 @@ TEST_CASE("batch_norm: a NaN is seen in its channel and nowhere else") {
 }
 
 TEST_CASE("batch_norm: two numbers give the unbiased running variance, a single one counts as zero") {
-    using single = batch_norm::layer<float, shape{1, 1, 1}>;
+    using single = trained_layer<batch_norm, float, shape{1, 1, 1}>;
     for (const std::size_t samples : {1u, 2u}) {
         thread_pool threads;
         single::memory memory;

@@ -1,8 +1,7 @@
 #include <tactnet/operators.hpp>
 #include <tactnet/operators/channel_scale/layer.hpp>
 #include <tactnet/operators/local_response_norm/layer.hpp>
-#include <tactnet/operators/sample_norms/group_norm.hpp>
-#include <tactnet/operators/sample_norms/layer_norm.hpp>
+#include <tactnet/operators/sample_norms/layer.hpp>
 
 #include <string>
 #include <support/layers/conformance.hpp>

@@ -1,7 +1,6 @@
 #include <tactnet/deployment/batch.hpp>
 #include <tactnet/lowering/step.hpp>
-#include <tactnet/operators/activations/step.hpp>
-#include <tactnet/operators/convolution/step.hpp>
+#include <tactnet/operators/lowering.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <doctest/doctest.h>

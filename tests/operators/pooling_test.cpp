@@ -1,6 +1,4 @@
-#include <tactnet/operators/pooling/adaptive_max_pool.hpp>
-#include <tactnet/operators/pooling/average_pool.hpp>
-#include <tactnet/operators/pooling/max_pool.hpp>
+#include <tactnet/operators/training.hpp>
 
 #include <cmath>
 #include <support/layers/conformance.hpp>
@@ -21,7 +19,7 @@ TEST_CASE("adaptive_max_pool: in a list, after a layer that writes over its inpu
     check_layer<sequence<conv2d<5, 3>, relu, adaptive_max_pool<extent2d{3, 2}>, dense<4>>, shape{7, 5, 2}>();
 }
 TEST_CASE("adaptive_max_pool: of equal largest values the first gets the gradient, as in PyTorch") {
-    using bound = adaptive_max_pool<2>::layer<float, shape{2, 3, 1}>; // columns 0, 1 and 1, 2
+    using bound = trained_layer<adaptive_max_pool<2>, float, shape{2, 3, 1}>; // columns 0, 1 and 1, 2
     batch<float, shape{2, 3, 1}, kernels::lanes<float>> in(1), in_gradient(1);
     batch<float, shape{2, 2, 1}, kernels::lanes<float>> out(1), out_gradient(1);
     const float rows[] = {1, 1, 1, 2, 5, 5};
@@ -78,7 +76,7 @@ TEST_CASE("max_pool: what must hold of every layer") {
 
 namespace {
 
-using bound = max_pool<3, 1, pad(1)>::layer<float, shape{3, 3, 1}>;
+using bound = trained_layer<max_pool<3, 1, pad(1)>, float, shape{3, 3, 1}>;
 using images = batch<float, shape{3, 3, 1}, kernels::lanes<float>>;
 
 images pooled(const images& in) {

@@ -1,6 +1,6 @@
 // Simulated touches, from the first to a network that was trained beside objects of no class.
 
-#include <tactnet/deployment/deploy.hpp>
+#include <tactnet/deployment.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/operators.hpp>
 #include <tactnet/simulation/paper/objects.hpp>

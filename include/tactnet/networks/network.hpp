@@ -1,8 +1,10 @@
 #pragma once
 
-#include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/operators/batch_norm/norm_relu_pool.hpp>
+#include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/operators/sequence/layer.hpp>
+#include <tactnet/operators/sequence/named.hpp>
 #include <tactnet/operators/softmax/layer.hpp>
+#include <tactnet/tensor/batch.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -12,7 +14,16 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
+class thread_pool;
+
 namespace detail {
+
+/// How a network computes batches (networks/batch_passes.hpp).
+template <class Network, class = void>
+struct batch_passes {
+    static_assert(sizeof(Network) == 0,
+                  "network: to train or to compute batches, include tactnet/training.hpp");
+};
 
 /// Removes the softmax from the end of a list, or of a list at its end. `Kept` are the layers so far.
 template <class Kept, class... Specs>
@@ -61,11 +72,13 @@ inline constexpr bool begins_with_counts<sequence<Inner...>, Rest...> =
 template <class T, shape Input, class... Specs>
 class basic_network {
     using split = detail::split_softmax<sequence<>, without_name<Specs>...>;
-    using logit_layers = typename with_fused_norms<typename split::logits>::template layer<T, Input>;
+    using passes = detail::batch_passes<basic_network>;
+    friend passes;
 
 public:
     /// The list as written, and bound to the input, for deployment.
     using specification = sequence<Specs...>;
+    using logit_specification = typename split::logits; ///< without a softmax at the end
     using layers = typename specification::template layer<T, Input>;
     using value_type = T;
     template <class Other>
@@ -105,14 +118,13 @@ public:
     public:
         /// Makes room for a number of samples. `infer`, `logits` and `forward` call it.
         void resize(std::size_t samples) {
-            if (samples == memory_.samples)
-                return;
-            memory_.resize(samples);
+            if (samples != memory_.samples)
+                memory_.resize(samples);
         }
 
     private:
-        friend basic_network;
-        typename logit_layers::memory memory_;
+        friend passes;
+        typename passes::memory memory_;
     };
 
     /// All parameters have their initial_value: zero, except scales and running variances, which are one, and
@@ -156,43 +168,22 @@ public:
     }
 
     /// Prepares a workspace for the present parameters. Call it again whenever they change.
-    void prepare(thread_pool& threads, workspace& space) const {
-        logit_layers::prepare(make_context(threads), values_.data(), statistics_.data(), space.memory_);
-    }
+    void prepare(thread_pool& threads, workspace& space) const { passes::prepare(*this, threads, space); }
     /// Computes the outputs of a batch, with running statistics. The workspace must be prepared. The result
     /// of a sample is bit-identical in any batch and on any number of threads. Batches of any size are
     /// computed in parts, so that the workspace stays small.
     void infer(const_input in, output_type out, thread_pool& threads, workspace& space) const {
-        logits(in, out, threads, space);
-        if constexpr (ends_in_softmax) {
-            no_memory none;
-            softmax::layer<T, output_shape>::infer(make_context(threads), nullptr, nullptr, none,
-                                                   const_output(out), out);
-        }
+        passes::infer(*this, in, out, threads, space);
     }
     /// As `infer`, before a last softmax.
     void logits(const_input in, output_type out, thread_pool& threads, workspace& space) const {
-        const std::size_t blocks = in.lane_blocks(), most = threads.threads();
-        const std::size_t parts = detail::ceil_div(blocks, most);
-        // Parts of nearly equal size, a largest one first, so that the workspace has room for all.
-        const auto begin = [&](std::size_t part) { return detail::ceil_div(blocks * part, parts); };
-        for (std::size_t part = 0; part < parts; ++part) {
-            const std::size_t first = begin(part), last = begin(part + 1);
-            const std::size_t count =
-                std::min(last * kernels::lanes<T>, in.samples()) - first * kernels::lanes<T>;
-            space.resize(count);
-            logit_layers::infer(make_context(threads), values_.data(), statistics_.data(), space.memory_,
-                                const_input(in.lane_block(first), count),
-                                output_type(out.lane_block(first), count));
-        }
+        passes::logits(*this, in, out, threads, space);
     }
     /// Computes the logits of a batch in training: with dropout, and with the moments of the batch in batch
     /// norms, which update the running ones.
     void forward(const_input in, output_type out, thread_pool& threads, workspace& space,
                  std::uint64_t seed = 0, std::uint32_t step = 0) {
-        space.resize(in.samples());
-        logit_layers::forward(make_context(threads, seed, step), values_.data(), statistics_.data(),
-                              space.memory_, in, out);
+        passes::forward(*this, in, out, threads, space, seed, step);
     }
     /// Computes the gradients of the learnable parameters (as many as `learnable_values`, or without the
     /// trailing zeros) from the gradients of the logits, after `forward` with the same arguments.
@@ -200,16 +191,10 @@ public:
     void backward(const_input in, const_output out, const_output out_gradient, input_type in_gradient,
                   std::span<T> gradients, thread_pool& threads, workspace& space, std::uint64_t seed = 0,
                   std::uint32_t step = 0) const {
-        logit_layers::backward(make_context(threads, seed, step), values_.data(), space.memory_, in, out,
-                               out_gradient, in_gradient, gradients.data());
+        passes::backward(*this, in, out, out_gradient, in_gradient, gradients, threads, space, seed, step);
     }
 
 private:
-    [[nodiscard]] execution_context make_context(thread_pool& threads, std::uint64_t seed = 0,
-                                                 std::uint32_t step = 0) const {
-        return {.threads = threads, .epsilon = epsilon, .momentum = momentum, .seed = seed, .step = step};
-    }
-
     aligned_vector<T> values_, statistics_;
 };
 

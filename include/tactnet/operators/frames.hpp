@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/operators/layer.hpp>
 
 #include <cstddef>
@@ -31,20 +30,6 @@ template <std::size_t Columns, std::size_t Outputs>
     static_assert(Outputs > 0,
                   "sequence: a layer must have at least one output, one tap and a dilation of one");
     return output;
-}
-
-/// Copies one frame of a lane block [feature][frame][lane] to or from contiguous vectors [feature][lane].
-template <shape Sequence, class T>
-void read_frame(const T* sequence, std::size_t frame, T* to) {
-    for (std::size_t f = 0; f < Sequence.channels; ++f)
-        kernels::store(to + f * kernels::lanes<T>,
-                       kernels::load(sequence + (f * Sequence.rows + frame) * kernels::lanes<T>));
-}
-template <shape Sequence, class T>
-void write_frame(const T* from, std::size_t frame, T* sequence) {
-    for (std::size_t f = 0; f < Sequence.channels; ++f)
-        kernels::store(sequence + (f * Sequence.rows + frame) * kernels::lanes<T>,
-                       kernels::load(from + f * kernels::lanes<T>));
 }
 
 } // namespace detail

@@ -2,7 +2,7 @@
 
 #include "softsign.hpp"
 
-#include <tactnet/deployment/deploy.hpp>
+#include <tactnet/deployment.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/operators.hpp>

@@ -1,11 +1,9 @@
+#include <tactnet/operators/training.hpp>
+
 // Batch norms whose variance is nothing or denormal, whose mean lies far away, that run for long; and the
 // same folded into a convolution for deployment. u is the unit roundoff of single precision.
 
 #include "../hold.hpp"
-
-#include <tactnet/operators/batch_norm/layer.hpp>
-#include <tactnet/operators/convolution/layer.hpp>
-#include <tactnet/operators/dense/layer.hpp>
 
 #include <doctest/doctest.h>
 
@@ -30,7 +28,7 @@ constexpr double u = support::unit_roundoff<float>;
 
 /// One channel, 4 × 5 pixels.
 constexpr shape image{4, 5, 1};
-using norm = batch_norm::layer<float, image>;
+using norm = trained_layer<batch_norm, float, image>;
 using images = batch<float, image, kernels::lanes<float>>;
 
 images images_of(const std::vector<float>& values) {

@@ -1,4 +1,5 @@
 #include <tactnet/io/parameters.hpp>
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/imagenet/squeezenet.hpp>
 
 #include <doctest/doctest.h>

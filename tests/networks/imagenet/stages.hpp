@@ -4,7 +4,7 @@
 // torchvision made of the same numbers (tests/golden/imagenet_networks.py).
 
 #include <tactnet/io/safetensors.hpp>
-#include <tactnet/networks/network.hpp>
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 
@@ -153,13 +153,14 @@ private:
             using tactnet::kernels::lanes;
             if constexpr (requires { Layer::fan_in, Layer::window.kernel, Layer::filters; })
                 expect_tiles<Layer>();
-            typename Layer::memory memory;
+            using batches = tactnet::trained_layer<Spec, T, Layer::input>;
+            typename batches::memory memory;
             memory.resize(1);
             tactnet::aligned_vector<T> out(Layer::output.size() * lanes<T>);
-            Layer::prepare(context_, values_, statistics_, memory);
-            Layer::infer(context_, values_, statistics_, memory,
-                         tactnet::input_view<T, Layer::input>(x.data(), 1),
-                         tactnet::output_view<T, Layer::output>(out.data(), 1));
+            batches::prepare(context_, values_, statistics_, memory);
+            batches::infer(context_, values_, statistics_, memory,
+                           tactnet::input_view<T, Layer::input>(x.data(), 1),
+                           tactnet::output_view<T, Layer::output>(out.data(), 1));
             values_ += Layer::parameters;
             statistics_ += Layer::statistics;
             return out;

@@ -1,5 +1,6 @@
 #include <tactnet/operators/activations/piecewise.hpp>
 #include <tactnet/operators/activations/smooth.hpp>
+#include <tactnet/operators/training.hpp>
 
 #include <algorithm>
 #include <array>
@@ -25,7 +26,7 @@ TEST_CASE_TEMPLATE("activations: NaN stays NaN, large inputs have the limits as 
                    leaky_relu<>, relu6, hard_sigmoid, hard_swish, sigmoid, silu, hyperbolic_tangent, elu<>,
                    elu<300>, softplus, gelu) {
     constexpr float large = std::numeric_limits<float>::max();
-    using bound = typename Activation::template layer<float, shape{1, 3, 1}>;
+    using bound = trained_layer<Activation, float, shape{1, 3, 1}>;
     batch<float, shape{1, 3, 1}, kernels::lanes<float>> in(1), out(1);
     in(0, 0) = std::numeric_limits<float>::quiet_NaN(), in(0, 1) = large, in(0, 2) = -large;
     thread_pool threads;

@@ -1,7 +1,4 @@
-#include <tactnet/operators/activations/layer.hpp>
-#include <tactnet/operators/parametric_relu/layer.hpp>
-#include <tactnet/operators/softmax/layer.hpp>
-#include <tactnet/operators/square_root/layer.hpp>
+#include <tactnet/operators/training.hpp>
 
 #include <doctest/doctest.h>
 
@@ -21,7 +18,7 @@ TEST_CASE("relu: what must hold of every layer") {
 }
 
 TEST_CASE("relu: zeros of both signs, infinities and NaN") {
-    using bound = relu::layer<float, shape{1, 6, 1}>;
+    using bound = trained_layer<relu, float, shape{1, 6, 1}>;
     constexpr float infinite = std::numeric_limits<float>::infinity();
     batch<float, shape{1, 6, 1}, kernels::lanes<float>> in(1), out(1), out_gradient(1), in_gradient(1);
     const float given[] = {-0.0f, 0.0f, -infinite, infinite, std::nanf(""), -1e-40f};
@@ -52,7 +49,7 @@ TEST_CASE("parametric_relu: in a list, after a layer and before one that write o
     check_layer<sequence<conv2d<4, 3>, batch_norm, parametric_relu, max_pool<2>, dense<3>>, shape{6, 5, 2}>();
 }
 TEST_CASE("parametric_relu: NaN stays NaN") {
-    using bound = parametric_relu::layer<float, shape{1, 3, 1}>;
+    using bound = trained_layer<parametric_relu, float, shape{1, 3, 1}>;
     batch<float, shape{1, 3, 1}, kernels::lanes<float>> in(1), out(1);
     in(0, 0) = std::numeric_limits<float>::quiet_NaN(), in(0, 1) = -3, in(0, 2) = 5;
     thread_pool threads;

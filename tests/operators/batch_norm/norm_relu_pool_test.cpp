@@ -1,5 +1,5 @@
 #include <tactnet/operators.hpp>
-#include <tactnet/operators/batch_norm/norm_relu_pool.hpp>
+#include <tactnet/operators/norm_relu_pool/training.hpp>
 
 #include <doctest/doctest.h>
 

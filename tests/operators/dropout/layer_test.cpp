@@ -1,4 +1,4 @@
-#include <tactnet/operators/dropout/layer.hpp>
+#include <tactnet/operators/training.hpp>
 
 #include <cmath>
 #include <cstddef>
@@ -18,7 +18,7 @@ TEST_CASE("dropout: what must hold of every layer") {
 namespace {
 
 constexpr shape size{28, 50, 8};
-using bound = dropout<30>::layer<float, size>;
+using bound = trained_layer<dropout<30>, float, size>;
 using images = batch<float, size, kernels::lanes<float>>;
 
 images ones(std::size_t count) {

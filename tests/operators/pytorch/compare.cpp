@@ -2,6 +2,7 @@
 // of both lie within the bound of the reference in double precision.
 
 #include <tactnet/io/parameters.hpp>
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/operators.hpp>
 

@@ -3,8 +3,7 @@
 // A layer behind virtual functions, so that the checks of conformance.cpp are compiled once for each number
 // type and not once for each layer.
 
-#include <tactnet/operators/layer.hpp>
-#include <tactnet/operators/sequence/layer_list.hpp>
+#include <tactnet/operators/training.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <cstddef>
@@ -83,8 +82,8 @@ public:
 
 template <class Spec, class T, tactnet::shape Input>
 class erased_layer_of final : public erased_layer<T> {
-    using bound = typename Spec::template layer<T, Input>;
-    static_assert(tactnet::layer<bound> && (tactnet::part_layer<bound> || !bound::by_parts));
+    using bound = tactnet::trained_layer<Spec, T, Input>;
+    static_assert(tactnet::batch_layer<bound> && (tactnet::part_layer<bound> || !bound::by_parts));
     using input_view = tactnet::input_view<T, Input>;
     using output_view = tactnet::output_view<T, bound::output>;
 

@@ -3,6 +3,7 @@
 // The reference of a layer specification.
 
 #include <tactnet/operators.hpp>
+#include <tactnet/operators/norm_relu_pool/training.hpp>
 
 #include <algorithm>
 #include <cmath>

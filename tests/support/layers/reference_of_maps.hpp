@@ -2,6 +2,7 @@
 
 // The references of layers that give a map another size. reference_of.hpp includes it.
 
+#include <tactnet/kernels/batch/methods.hpp>
 #include <tactnet/operators.hpp>
 
 #include <support/layers/reference.hpp>

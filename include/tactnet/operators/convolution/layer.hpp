@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/operators/convolution/convolution_layer.hpp>
+#include <tactnet/operators/layer.hpp>
 
 #include <cstddef>
 #include <string>
@@ -75,20 +75,13 @@ struct conv2d {
     }
 
 private:
-    // At least one filter: of none, the layer's sentence is the only error.
-    static constexpr std::size_t computed = Filters > 0 ? Filters : 1;
     static constexpr sliding_window window_over(const shape& input) {
         return sliding_window::over(input, Kernel, Stride, Padding);
     }
-    template <class T, shape Input>
-    using passes =
-        detail::convolution_layer<conv2d, T, Input, false, Options.bias,
-                                  kernels::batch_convolution::forward(window_over(Input), computed, groups),
-                                  kernels::batch_convolution::backward(window_over(Input), computed, groups)>;
 
 public:
     template <class T, shape Input>
-    struct layer : passes<T, Input> {
+    struct layer : layer_base<T, Input, conv2d> {
         static constexpr sliding_window window = window_over(Input);
         static constexpr shape output =
             detail::conv2d_output<Filters, Kernel.area(), Stride.area(), Kernel.rows, Kernel.columns,
@@ -96,39 +89,17 @@ public:
                                   Input.columns + window.left + window.right, Options.groups, Input.channels>(
                 {window.output_rows(), window.output_columns(), Filters});
         static constexpr std::size_t groups = conv2d::groups;
+        static constexpr bool has_bias = Options.bias;
         /// In one group.
         static constexpr std::size_t channels = Input.channels / groups, filters = Filters / groups;
         static constexpr std::size_t fan_in = channels * Kernel.area();
-        using base = passes<T, Input>;
-        using base::weights;
-        using typename base::memory;
+        static constexpr std::size_t weights = layer::parameters - (has_bias ? Filters : 0);
 
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
             describe_array(list, prefix, "weight", parameter_role::weight,
                            {Filters, channels, Kernel.rows, Kernel.columns}, 0, fan_in);
             if constexpr (Options.bias)
                 describe_array(list, prefix, "bias", parameter_role::bias, {Filters}, weights);
-        }
-
-        static void prepare(const execution_context&, const T* values, const T*, memory& m) {
-            m.forward_weights.resize(base::forward_method::packed_elements);
-            const auto weight = [&](auto filter, auto channel, auto row, auto column) {
-                return values[((filter * channels + channel) * Kernel.rows + row) * Kernel.columns + column];
-            };
-            base::forward_method::pack(weight, m.forward_weights.data());
-        }
-
-        static void begin_backward(const execution_context&, const T* values, memory& m, std::size_t) {
-            base::clear_totals(m);
-            m.backward_weights.resize(base::input_gradient_method::packed_elements);
-            const auto weight = [&](auto channel, auto filter, auto row, auto column) {
-                const std::size_t group = channel / channels;
-                return values[(((group * filters + filter) * channels + channel % channels) * Kernel.rows +
-                               (Kernel.rows - 1 - row)) *
-                                  Kernel.columns +
-                              (Kernel.columns - 1 - column)];
-            };
-            base::input_gradient_method::pack(weight, m.backward_weights.data());
         }
     };
 };

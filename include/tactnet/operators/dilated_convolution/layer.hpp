@@ -71,9 +71,10 @@ public:
     struct layer : layer_base<T, Input, dilated_conv2d> {
     private:
         static constexpr sliding_window reach = reach_over(Input);
+        template <class Phases>
+        using spec_of = conv2d<Filters, kernel, Phases::window.stride, Phases::around, Options>;
 
     public:
-        static constexpr bool by_parts = true;
         static constexpr shape output = detail::dilated_conv2d_output<
             Dilation.area(), reach.kernel.rows, reach.kernel.columns, Input.rows + reach.top + reach.bottom,
             Input.columns + reach.left + reach.right>(
@@ -89,85 +90,15 @@ public:
         /// rows of tiles.
         using phases = kernels::laid_out_phases<kernels::dilated_layout::of(
             window, dilation, outputs, kernels::phase_order::consecutive)>;
-
-    private:
-        template <class Phases>
-        using convolution_of = typename conv2d<Filters, kernel, Phases::window.stride, Phases::around,
-                                               Options>::template layer<T, Phases::map>;
-
-    public:
+        using deployed_phases = kernels::dilated_phases<window, dilation, outputs>;
         /// The convolution of the phases, in training and deployed.
-        using convolution = convolution_of<phases>;
-        using deployed_convolution = convolution_of<kernels::dilated_phases<window, dilation, outputs>>;
-
-        struct memory {
-            typename convolution::memory of_convolution;
-            aligned_vector<T> phases, sums, gradients; // of a part
-            void resize(std::size_t samples) { of_convolution.resize(samples); }
-        };
+        using convolution_spec = spec_of<phases>;
+        using convolution = typename convolution_spec::template layer<T, phases::map>;
+        using deployed_convolution =
+            typename spec_of<deployed_phases>::template layer<T, deployed_phases::map>;
 
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
             convolution::describe(prefix, list);
-        }
-        static void prepare(const execution_context& context, const T* values, const T* running, memory& m) {
-            convolution::prepare(context, values, running, m.of_convolution);
-        }
-        static void infer(const execution_context& context, const T* values, const T* running, memory& m,
-                          input_view<T, Input> in, output_view<T, output> out) {
-            const auto split = split_inputs(context, m, in);
-            const auto sums = part_of<convolution::output>(m.sums, in.samples());
-            convolution::infer(context, values, running, m.of_convolution, split, sums);
-            gather<convolution::output, output>(context, phases::rows::sum_of, phases::columns::sum_of, sums,
-                                                out);
-        }
-
-        static void begin_backward(const execution_context& context, const T* values, memory& m,
-                                   std::size_t samples) {
-            convolution::begin_backward(context, values, m.of_convolution, samples);
-        }
-        static void backward(const execution_context& context, const T* values, memory& m,
-                             input_view<T, Input> in, input_view<T, output>,
-                             input_view<T, output> out_gradient, output_view<T, Input> in_gradient,
-                             T* gradients) {
-            const auto split = split_inputs(context, m, in);
-            const auto sums = part_of<convolution::output>(m.sums, in.samples());
-            gather<output, convolution::output>(context, phases::rows::output_at, phases::columns::output_at,
-                                                out_gradient, sums);
-            output_view<T, convolution::input> split_gradient(nullptr, in.samples());
-            if (in_gradient.data() != nullptr)
-                split_gradient = part_of<convolution::input>(m.gradients, in.samples());
-            convolution::backward(context, values, m.of_convolution, split, sums, sums, split_gradient,
-                                  gradients);
-            if (in_gradient.data() != nullptr)
-                gather<convolution::input, Input>(context, phases::rows::place_of, phases::columns::place_of,
-                                                  split_gradient, in_gradient);
-        }
-        static void end_backward(memory& m, T* gradients) {
-            convolution::end_backward(m.of_convolution, gradients);
-        }
-
-    private:
-        template <shape Map>
-        static output_view<T, Map> part_of(aligned_vector<T>& memory, std::size_t samples) {
-            detail::grow(memory, kernels::padded_size<T>(samples) * Map.size());
-            return {memory.data(), samples};
-        }
-        static input_view<T, convolution::input> split_inputs(const execution_context& context, memory& m,
-                                                              input_view<T, Input> in) {
-            const auto to = part_of<convolution::input>(m.phases, in.samples());
-            gather<Input, convolution::input>(context, phases::rows::input_at, phases::columns::input_at, in,
-                                              to);
-            return to;
-        }
-        template <shape From, shape To>
-        static void gather(const execution_context& context, const auto& rows, const auto& columns,
-                           input_view<T, From> in, output_view<T, To> out) {
-            context.threads.for_each(in.lane_blocks(), [&](std::size_t b) {
-                for (std::size_t c = 0; c < From.channels; ++c)
-                    kernels::gather_pixels<kernels::lanes<T>, From.columns>(
-                        rows, columns, in.lane_block(b) + c * From.area() * kernels::lanes<T>, T{},
-                        out.lane_block(b) + c * To.area() * kernels::lanes<T>);
-            });
         }
     };
 };

@@ -5,7 +5,7 @@
 #include <tactnet/operators/activations/smooth.hpp>
 #include <tactnet/operators/convolution/layer.hpp>
 #include <tactnet/operators/gate/layer.hpp>
-#include <tactnet/operators/pooling/average_pool.hpp>
+#include <tactnet/operators/pooling/layer.hpp>
 #include <tactnet/operators/sequence/named.hpp>
 
 #include <cstddef>

@@ -17,14 +17,8 @@ struct last_frame {
     static constexpr layer_costs costs(const shape& input) { return {.output = {1, 1, input.channels}}; }
 
     template <class T, shape Input>
-    struct layer : lane_block_layer<T, Input, last_frame> {
+    struct layer : layer_base<T, Input, last_frame> {
         static constexpr shape output = detail::sequence_output<Input.columns, 1>({1, 1, Input.channels});
-
-        static void forward_block(const T* in, T* out) { detail::read_frame<Input>(in, Input.rows - 1, out); }
-        static void backward_block(const T*, const T*, const T* out_gradient, T* in_gradient) {
-            std::fill_n(in_gradient, Input.size() * kernels::lanes<T>, T{});
-            detail::write_frame<Input>(out_gradient, Input.rows - 1, in_gradient);
-        }
     };
 };
 

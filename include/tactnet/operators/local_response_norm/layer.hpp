@@ -37,16 +37,8 @@ struct local_response_norm {
     static constexpr layer_costs costs(const shape& input) { return {.output = input}; }
 
     template <class T, shape Input>
-    struct layer : lane_block_layer<T, Input, local_response_norm> {
+    struct layer : layer_base<T, Input, local_response_norm> {
         static constexpr shape output = detail::local_response_output<Size, Alpha, Beta, K>(Input);
-
-        static void forward_block(const T* in, T* out) {
-            kernels::normalise_responses<rule>(Input.channels, Input.area(), in, out);
-        }
-        static void backward_block(const T* in, const T*, const T* out_gradient, T* in_gradient) {
-            kernels::normalise_responses_backward<rule>(Input.channels, Input.area(), in, out_gradient,
-                                                        in_gradient);
-        }
     };
 };
 

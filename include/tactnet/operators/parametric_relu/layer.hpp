@@ -1,7 +1,5 @@
 #pragma once
 
-#include <tactnet/kernels/batch/reductions.hpp>
-#include <tactnet/kernels/elementwise.hpp>
 #include <tactnet/operators/layer.hpp>
 
 #include <array>
@@ -26,76 +24,9 @@ struct parametric_relu {
     template <class T, shape Input>
     struct layer : layer_base<T, Input, parametric_relu> {
         static constexpr std::size_t channels = Input.channels;
-        static constexpr bool by_parts = true;
-
-        struct memory {
-            std::vector<double> sums;    // of every lane block and channel
-            std::size_t lane_blocks = 0; // of the batch
-            void resize(std::size_t samples) { sums.resize(lane_blocks_of<T>(samples) * channels); }
-        };
 
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
             describe_array(list, prefix, "weight", parameter_role::slope, {channels}, 0);
-        }
-
-        static void infer(const execution_context& context, const T* values, const T*, memory&,
-                          input_view<T, Input> in, output_view<T, Input> out) {
-            const vector zero(T{});
-            each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
-                kernels::transform_vectors(
-                    [slope = vector(values[c]), zero](const vector& x) {
-                        return kernels::choose<T>(x > zero, x, slope * x);
-                    },
-                    plane, out.lane_block(b) + c * plane, in.lane_block(b) + c * plane);
-            });
-        }
-
-        static void begin_backward(const execution_context&, const T*, memory& m, std::size_t samples) {
-            m.lane_blocks = lane_blocks_of<T>(samples);
-        }
-        static void backward(const execution_context& context, const T* values, memory& m,
-                             input_view<T, Input> in, input_view<T, Input>, input_view<T, Input> out_gradient,
-                             output_view<T, Input> in_gradient, T*) {
-            const vector zero(T{});
-            each_channel(context, in.lane_blocks(), [&](std::size_t b, std::size_t c) {
-                const T *x = in.lane_block(b) + c * plane, *dy = out_gradient.lane_block(b) + c * plane;
-                // Before the gradient of the input, which may be written over that of the output.
-                m.sums[(context.first_lane_block + b) * channels + c] =
-                    kernels::sum_terms<1, T>(Input.area(), [&](std::size_t i) {
-                        const vector value = kernels::load(x + i * kernels::lanes<T>),
-                                     gradient = kernels::load(dy + i * kernels::lanes<T>);
-                        return std::array<vector, 1>{
-                            kernels::choose<T>(value > zero, zero, value * gradient)};
-                    })[0];
-                if (in_gradient.data() != nullptr)
-                    kernels::transform_vectors(
-                        [slope = vector(values[c]), zero](const vector& value, const vector& gradient) {
-                            return kernels::choose<T>(value > zero, gradient, slope * gradient);
-                        },
-                        plane, in_gradient.lane_block(b) + c * plane, x, dy);
-            });
-        }
-        static void end_backward(memory& m, T* gradients) {
-            for (std::size_t c = 0; c < channels; ++c) {
-                double sum = 0;
-                for (std::size_t b = 0; b < m.lane_blocks; ++b)
-                    sum += m.sums[b * channels + c];
-                gradients[c] = static_cast<T>(sum);
-            }
-        }
-
-    private:
-        using vector = kernels::vector<T>;
-        static constexpr std::size_t plane = Input.area() * kernels::lanes<T>;
-
-        /// Calls body(lane block, channel).
-        template <class Body>
-        static void each_channel(const execution_context& context, std::size_t lane_blocks,
-                                 const Body& body) {
-            context.threads.for_each(lane_blocks, [&](std::size_t b) {
-                for (std::size_t c = 0; c < channels; ++c)
-                    body(b, c);
-            });
         }
     };
 };

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <tactnet/lowering/lowering.hpp>
-#include <tactnet/operators/pooling/adaptive_max_pool.hpp>
-#include <tactnet/operators/pooling/average_pool.hpp>
-#include <tactnet/operators/pooling/max_pool.hpp>
+#include <tactnet/operators/pooling/layer.hpp>
 #include <tactnet/operators/pooling/step.hpp>
 
 #include <cstddef>

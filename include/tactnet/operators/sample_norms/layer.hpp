@@ -1,10 +1,11 @@
 #pragma once
 
-#include <tactnet/kernels/batch/sample_norm.hpp>
+#include <tactnet/kernels/norm_groups.hpp>
 #include <tactnet/operators/layer.hpp>
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
@@ -29,13 +30,6 @@ template <class Spec, class T, shape Input, kernels::norm_groups Groups>
 struct sample_norm_layer : layer_base<T, Input, Spec> {
     static constexpr kernels::norm_groups groups = Groups;
     static constexpr std::size_t weights = layer_base<T, Input, Spec>::parameters / 2;
-    static constexpr bool by_parts = true;
-
-    struct memory {
-        aligned_vector<double> moments; // [lane block][group][mean, inverse deviation][sample]
-        aligned_vector<double> totals;  // [lane block][weight][weight, bias][lane of double]
-        void resize(std::size_t) {}
-    };
 
     static void describe(const std::string& prefix, std::vector<parameter>& list) {
         const auto add = [&](const char* name, parameter_role role, std::size_t offset) {
@@ -47,82 +41,96 @@ struct sample_norm_layer : layer_base<T, Input, Spec> {
         add("weight", parameter_role::scale, 0);
         add("bias", parameter_role::shift, weights);
     }
-
-    static void infer(const execution_context& context, const T* values, const T*, memory&,
-                      input_view<T, Input> in, output_view<T, Input> out) {
-        normalise(context, values, in, out, [](std::size_t, const kernels::group_moments&) {});
-    }
-    static void begin_forward(const execution_context&, T*, memory& m, std::size_t samples) {
-        grow(m.moments, lane_blocks_of<T>(samples) * moments_of_block);
-    }
-    static void forward(const execution_context& context, const T* values, T*, memory& m,
-                        input_view<T, Input> in, output_view<T, Input> out) {
-        double* const moments = m.moments.data() + context.first_lane_block * moments_of_block;
-        normalise(context, values, in, out, [&](std::size_t place, const kernels::group_moments& of_group) {
-            of_group.write<kernels::lanes<T>>(moments + place);
-        });
-    }
-
-    static void begin_backward(const execution_context&, const T*, memory& m, std::size_t samples) {
-        m.totals.assign(lane_blocks_of<T>(samples) * totals_of_block, 0.0);
-    }
-    static void backward(const execution_context& context, const T* values, memory& m,
-                         input_view<T, Input> in, input_view<T, Input>, input_view<T, Input> out_gradient,
-                         output_view<T, Input> in_gradient, T*) {
-        for_each_group(context, in.lane_blocks(), [&](const group_place& at) {
-            const std::size_t block = context.first_lane_block + at.lane_block;
-            kernels::normalise_group_backward(
-                groups,
-                kernels::group_moments::read<kernels::lanes<T>>(m.moments.data() + block * moments_of_block +
-                                                                at.moments),
-                values + at.weight, in.lane_block(at.lane_block) + at.element,
-                out_gradient.lane_block(at.lane_block) + at.element,
-                in_gradient.data() == nullptr ? nullptr : in_gradient.lane_block(at.lane_block) + at.element,
-                m.totals.data() + block * totals_of_block + 2 * at.weight * kernels::lanes<double>);
-        });
-    }
-    static void end_backward(memory& m, T* gradients) {
-        for (std::size_t w = 0; w < weights; ++w)
-            for (const std::size_t which : {std::size_t{0}, std::size_t{1}}) {
-                double sum = 0;
-                for (std::size_t at = (2 * w + which) * kernels::lanes<double>; at < m.totals.size();
-                     at += totals_of_block)
-                    for (std::size_t lane = 0; lane < kernels::lanes<double>; ++lane)
-                        sum += m.totals[at + lane];
-                gradients[which * weights + w] = static_cast<T>(sum);
-            }
-    }
-
-private:
-    static constexpr std::size_t moments_of_block = groups.count * 2 * kernels::lanes<T>,
-                                 totals_of_block = weights * 2 * kernels::lanes<double>;
-
-    /// One group of `lanes<double>` samples of a lane block, and where its numbers begin.
-    struct group_place {
-        std::size_t lane_block, element, moments, weight;
-    };
-    template <class Body>
-    static void for_each_group(const execution_context& context, std::size_t lane_blocks, const Body& body) {
-        context.threads.for_each(lane_blocks, [&](std::size_t b) {
-            for (std::size_t g = 0; g < groups.count; ++g)
-                for (std::size_t s = 0; s < kernels::lanes<T>; s += kernels::lanes<double>)
-                    body(group_place{b, g * groups.distance * kernels::lanes<T> + s,
-                                     g * 2 * kernels::lanes<T> + s, g * groups.weight_distance});
-        });
-    }
-    /// `keep(place, moments)` gets the moments of each group.
-    template <class Keep>
-    static void normalise(const execution_context& context, const T* values, input_view<T, Input> in,
-                          output_view<T, Input> out, const Keep& keep) {
-        for_each_group(context, in.lane_blocks(), [&](const group_place& at) {
-            const T* const from = in.lane_block(at.lane_block) + at.element;
-            const kernels::group_moments moments = kernels::moments_of_group(groups, context.epsilon, from);
-            keep(at.lane_block * moments_of_block + at.moments, moments);
-            kernels::normalise_group(groups, moments, values + at.weight, values + weights + at.weight, from,
-                                     out.lane_block(at.lane_block) + at.element);
-        });
-    }
 };
 
 } // namespace detail
+
+template <std::size_t Groups, std::size_t Channels>
+concept groups_divide_channels = (Groups > 0) && (Channels % Groups == 0);
+
+namespace detail {
+
+template <std::size_t Groups, std::size_t Channels, std::size_t Area>
+[[nodiscard]] constexpr kernels::norm_groups channel_groups() {
+    static_assert(groups_divide_channels<Groups, Channels>,
+                  "group_norm: groups must divide the channels of the input; groups_divide_channels shows "
+                  "groups and channels");
+    if constexpr (groups_divide_channels<Groups, Channels>)
+        return groups_with_variance<Channels / Groups * Area>(
+            kernels::norm_groups::of_channels(Groups, Channels / Groups, Area));
+    else
+        return kernels::norm_groups::of_channels(1, Channels, Area);
+}
+
+} // namespace detail
+
+/// Group normalisation (Wu and He, "Group normalization", 2018): brings each of `Groups` groups of successive
+/// channels of each sample to mean 0 and variance 1 over all pixels, then each channel to a learned scale and
+/// shift. PyTorch's GroupNorm(groups, C). It computes the same in training and in inference, with any batch.
+/// The network sets epsilon (execution_context::epsilon, 1e-5 as in PyTorch).
+template <std::size_t Groups>
+struct group_norm {
+    static constexpr std::string_view name = "gn";
+    static constexpr bool numbered = true, weight_per_element = false;
+
+    static constexpr layer_costs costs(const shape& input) {
+        return {.output = input, .parameters = 2 * input.channels};
+    }
+    template <class T, shape Input>
+    using layer = detail::sample_norm_layer<group_norm, T, Input,
+                                            detail::channel_groups<Groups, Input.channels, Input.area()>()>;
+};
+
+/// Instance normalisation (Ulyanov, Vedaldi, Lempitsky, "Instance normalization", 2016): a group norm with
+/// one channel in each group. PyTorch's InstanceNorm2d(C, affine=True), which keeps no running statistics.
+struct instance_norm {
+    static constexpr std::string_view name = "in";
+    static constexpr bool numbered = true, weight_per_element = false;
+
+    static constexpr layer_costs costs(const shape& input) {
+        return {.output = input, .parameters = 2 * input.channels};
+    }
+    template <class T, shape Input>
+    using layer =
+        detail::sample_norm_layer<instance_norm, T, Input,
+                                  detail::channel_groups<Input.channels, Input.channels, Input.area()>()>;
+};
+
+/// What a layer norm normalises together: all channels and pixels of a frame, or the channels of each pixel.
+enum class norm_over { frame, channels };
+
+namespace detail {
+
+/// A frame with a weight for each element is one group of channels of a pixel each.
+template <norm_over Over, std::size_t Channels, std::size_t Area>
+[[nodiscard]] constexpr kernels::norm_groups layer_norm_groups() {
+    if constexpr (Over == norm_over::frame)
+        return groups_with_variance<Channels * Area>(
+            kernels::norm_groups::of_channels(1, Channels * Area, 1));
+    else
+        return groups_with_variance<Channels>(kernels::norm_groups::of_pixels(Channels, Area));
+}
+
+} // namespace detail
+
+/// Layer normalisation (Ba, Kiros, Hinton, "Layer normalization", 2016): brings the elements of each sample
+/// to mean 0 and variance 1, then to a learned scale and shift.
+///  - `norm_over::frame`: all elements together, with a scale and a shift for each element [channel][row]
+///    [column]: PyTorch's LayerNorm((C, H, W)).
+///  - `norm_over::channels`: the channels of each pixel, with a scale and a shift for each channel. This
+///    is the norm of ConvNeXt (Liu et al., 2022), PyTorch's LayerNorm(C) of maps with the channels last.
+/// The network sets epsilon (execution_context::epsilon): PyTorch's default is 1e-5, ConvNeXt has 1e-6.
+template <norm_over Over>
+struct layer_norm {
+    static constexpr std::string_view name = "ln";
+    static constexpr bool numbered = true, weight_per_element = Over == norm_over::frame;
+
+    static constexpr layer_costs costs(const shape& input) {
+        return {.output = input, .parameters = 2 * (weight_per_element ? input.size() : input.channels)};
+    }
+    template <class T, shape Input>
+    using layer = detail::sample_norm_layer<layer_norm, T, Input,
+                                            detail::layer_norm_groups<Over, Input.channels, Input.area()>()>;
+};
+
 }} // namespace tactnet

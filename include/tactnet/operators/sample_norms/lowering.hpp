@@ -1,8 +1,7 @@
 #pragma once
 
 #include <tactnet/lowering/lowering.hpp>
-#include <tactnet/operators/sample_norms/group_norm.hpp>
-#include <tactnet/operators/sample_norms/layer_norm.hpp>
+#include <tactnet/operators/sample_norms/layer.hpp>
 #include <tactnet/operators/sample_norms/step.hpp>
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/kernels/elementwise.hpp>
 #include <tactnet/operators/layer.hpp>
 
 #include <cstddef>
@@ -28,16 +27,7 @@ struct square_root {
     }
 
     template <class T, shape Input>
-    struct layer : lane_block_layer<T, Input, square_root> {
-        static constexpr std::size_t elements = Input.size() * kernels::lanes<T>;
-
-        static void forward_block(const T* in, T* out) {
-            kernels::transform_vectors(kernels::shifted_root(static_cast<T>(offset)), elements, out, in);
-        }
-        static void backward_block(const T*, const T* out, const T* out_gradient, T* in_gradient) {
-            kernels::shifted_root_backward(static_cast<T>(offset), out, out_gradient, in_gradient, elements);
-        }
-    };
+    using layer = layer_base<T, Input, square_root>;
 };
 
 }} // namespace tactnet

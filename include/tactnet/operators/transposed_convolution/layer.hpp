@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/operators/convolution/convolution_layer.hpp>
+#include <tactnet/operators/layer.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -80,18 +80,11 @@ private:
     static constexpr sliding_window window_for(const shape& input) {
         return detail::transposed_window(input, Filters, Kernel, Stride, Padding);
     }
-    template <class T, shape Input>
-    using passes =
-        detail::convolution_layer<transposed_conv2d, T, Input, true, Bias,
-                                  kernels::batch_convolution::backward(window_for(Input), Input.channels),
-                                  kernels::batch_convolution::forward(window_for(Input), Input.channels)>;
 
 public:
     template <class T, shape Input>
-    struct layer : passes<T, Input> {
-        using base = passes<T, Input>;
-        using base::weights;
-        using typename base::memory;
+    struct layer : layer_base<T, Input, transposed_conv2d> {
+        static constexpr bool has_bias = Bias;
         static constexpr sliding_window window = window_for(Input);
         static constexpr shape output = detail::transposed_conv2d_output<
             Filters, Kernel.area(), Stride.area(), Padding.how == padding::rule::ceil_mode,
@@ -99,6 +92,7 @@ public:
              detail::uncropped(Input.columns, Kernel.columns, Stride.columns) > Padding.left + Padding.right),
             Kernel.rows, Kernel.columns, std::max(window.top, window.bottom),
             std::max(window.left, window.right)>(window);
+        static constexpr std::size_t weights = layer::parameters - (Bias ? Filters : 0);
 
         static void describe(const std::string& prefix, std::vector<parameter>& list) {
             // Inputs of one output as PyTorch counts them for its initialisation.
@@ -107,29 +101,6 @@ public:
                            Filters * Kernel.area());
             if constexpr (Bias)
                 describe_array(list, prefix, "bias", parameter_role::bias, {Filters}, weights);
-        }
-
-        static void prepare(const execution_context&, const T* values, const T*, memory& m) {
-            m.forward_weights.resize(base::forward_method::packed_elements);
-            const auto weight = [&](auto filter, auto channel, auto row, auto column) {
-                return values[at(channel, filter, Kernel.rows - 1 - row, Kernel.columns - 1 - column)];
-            };
-            base::forward_method::pack(weight, m.forward_weights.data());
-        }
-
-        static void begin_backward(const execution_context&, const T* values, memory& m, std::size_t) {
-            base::clear_totals(m);
-            m.backward_weights.resize(base::input_gradient_method::packed_elements);
-            const auto weight = [&](auto channel, auto filter, auto row, auto column) {
-                return values[at(channel, filter, row, column)];
-            };
-            base::input_gradient_method::pack(weight, m.backward_weights.data());
-        }
-
-    private:
-        static constexpr std::size_t at(std::size_t channel, std::size_t filter, std::size_t row,
-                                        std::size_t column) {
-            return ((channel * Filters + filter) * Kernel.rows + row) * Kernel.columns + column;
         }
     };
 };

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/kernels/batch/resampling.hpp>
 #include <tactnet/kernels/sampling_axis.hpp>
 #include <tactnet/operators/layer.hpp>
 
@@ -20,33 +19,9 @@ template <std::size_t Rows, std::size_t Columns>
 
 /// Resamples each channel to `Size`.
 template <class Spec, class T, shape Input, extent2d Size, interpolation Mode>
-struct resampled_layer : lane_block_layer<T, Input, Spec> {
+struct resampled_layer : layer_base<T, Input, Spec> {
     static constexpr shape output = upsampled_output<Size.rows, Size.columns>(Input.channels);
     static constexpr interpolation mode = Mode;
-
-    static void forward_block(const T* in, T* out) {
-        for (std::size_t channel = 0; channel < Input.channels; ++channel) {
-            T* const to = out + channel * output_plane;
-            kernels::resample_lanes<T, down, along>(in + channel * input_plane,
-                                                    [&](std::size_t pixel, const kernels::vector<T>& value) {
-                                                        kernels::store(to + pixel * kernels::lanes<T>, value);
-                                                    });
-        }
-    }
-    static void backward_block(const T*, const T*, const T* out_gradient, T* in_gradient) {
-        for (std::size_t channel = 0; channel < Input.channels; ++channel) {
-            const T* const from = out_gradient + channel * output_plane;
-            kernels::resample_lanes_backward<T, down, along>(
-                [&](std::size_t pixel) { return kernels::load(from + pixel * kernels::lanes<T>); },
-                in_gradient + channel * input_plane);
-        }
-    }
-
-private:
-    using down = kernels::sampling_axis<Mode, Input.rows, output.rows>;
-    using along = kernels::sampling_axis<Mode, Input.columns, output.columns>;
-    static constexpr std::size_t input_plane = Input.area() * kernels::lanes<T>,
-                                 output_plane = output.area() * kernels::lanes<T>;
 };
 
 } // namespace detail

@@ -2,6 +2,7 @@
 
 #include <tactnet/image/augmentation.hpp>
 #include <tactnet/image/transform.hpp>
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/operators/layer.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/text/message.hpp>

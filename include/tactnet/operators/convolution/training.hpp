@@ -2,26 +2,29 @@
 
 #include <tactnet/kernels/batch/methods.hpp>
 #include <tactnet/kernels/batch/reductions.hpp>
-#include <tactnet/operators/layer.hpp>
+#include <tactnet/operators/convolution/layer.hpp>
+#include <tactnet/operators/trained_layer.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 
-namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+namespace detail {
 
 /// What a convolution and a transposed one share: inference and the backward pass of a batch. `Ahead`
 /// computes the output and `Back` the gradient of the input; each is the backward pass of the other. The
 /// learnable parameters are the weights of the one of them with a stride, then a bias per filter. A layer
 /// adds `describe`, `prepare`, which packs `forward_weights`, and `begin_backward`, which packs
 /// `backward_weights` and calls `clear_totals`.
-template <class Spec, class T, shape Input, bool Transposed, bool Bias, kernels::batch_convolution Ahead,
+template <class Spec, class T, shape Input, bool Transposed, kernels::batch_convolution Ahead,
           kernels::batch_convolution Back>
-struct convolution_layer : layer_base<T, Input, Spec> {
-    using base = layer_base<T, Input, Spec>;
-    using base::output;
-    static constexpr bool by_parts = true, has_bias = Bias;
-    static constexpr std::size_t biases = Bias ? output.channels : 0, weights = base::parameters - biases;
+struct convolution_passes : trained_base<Spec, T, Input> {
+    using base = trained_base<Spec, T, Input>;
+    using base::output, base::weights, base::has_bias;
+    static constexpr bool by_parts = true;
+    static constexpr std::size_t biases = has_bias ? output.channels : 0;
 
     struct memory {
         aligned_vector<T> forward_weights, backward_weights;
@@ -85,4 +88,44 @@ protected:
     static void clear_totals(memory& m) { m.totals.assign(weight_gradient_method::totals + biases, 0.0); }
 };
 
-}}} // namespace tactnet::detail
+/// At least one filter: of none, the layer's sentence is the only error.
+template <class Spec, class T, shape Input, class Layer = typename Spec::template layer<T, Input>,
+          std::size_t Filters = std::max<std::size_t>(Layer::output.channels, 1)>
+using conv2d_passes =
+    convolution_passes<Spec, T, Input, false,
+                       kernels::batch_convolution::forward(Layer::window, Filters, Layer::groups),
+                       kernels::batch_convolution::backward(Layer::window, Filters, Layer::groups)>;
+
+} // namespace detail
+
+template <std::size_t Filters, extent2d Kernel, extent2d Stride, padding Padding, conv2d_options Options,
+          class T, shape Input>
+struct trained_layer<conv2d<Filters, Kernel, Stride, Padding, Options>, T, Input>
+    : detail::conv2d_passes<conv2d<Filters, Kernel, Stride, Padding, Options>, T, Input> {
+    using base = detail::conv2d_passes<conv2d<Filters, Kernel, Stride, Padding, Options>, T, Input>;
+    using base::channels, base::filters;
+    using typename base::memory;
+
+    static void prepare(const execution_context&, const T* values, const T*, memory& m) {
+        m.forward_weights.resize(base::forward_method::packed_elements);
+        const auto weight = [&](auto filter, auto channel, auto row, auto column) {
+            return values[((filter * channels + channel) * Kernel.rows + row) * Kernel.columns + column];
+        };
+        base::forward_method::pack(weight, m.forward_weights.data());
+    }
+
+    static void begin_backward(const execution_context&, const T* values, memory& m, std::size_t) {
+        base::clear_totals(m);
+        m.backward_weights.resize(base::input_gradient_method::packed_elements);
+        const auto weight = [&](auto channel, auto filter, auto row, auto column) {
+            const std::size_t group = channel / channels;
+            return values[(((group * filters + filter) * channels + channel % channels) * Kernel.rows +
+                           (Kernel.rows - 1 - row)) *
+                              Kernel.columns +
+                          (Kernel.columns - 1 - column)];
+        };
+        base::input_gradient_method::pack(weight, m.backward_weights.data());
+    }
+};
+
+}} // namespace tactnet
