@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -15,8 +16,9 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// Post-training quantisation of a network of sequences: ranges of maps from training sequences, weights
-/// rounded to the nearest.
+/// Post-training quantisation of a network of sequences: ranges of features and maps from training sequences,
+/// smaller where a few numbers lie far beyond all others and outputs lose less, weights rounded to the
+/// nearest.
 template <class Network>
 class stream_calibration {
     using plan = eight_bit_stream_plan<Network>;
@@ -41,16 +43,50 @@ public:
         const float* const values = network.learnable_values().data();
         require_finite(network.learnable_values().first(Network::parameters), "parameters");
         require_finite(sequences, "calibration sequences");
+        const std::vector<float> frames = frames_of(sequences);
         detail::stream_observation found{input.rows};
-        require_finite(detail::stream_observer<steps>::run(values, frames_of(sequences), found),
-                       "parameters and sequences");
+        const std::vector<float> exact = detail::stream_observer<steps>::run(values, frames, found);
+        require_finite(exact, "parameters and sequences");
         require_finite({&found.out_of_range, 1}, "parameters and sequences");
+        largest_ = largest_of(sequences);
+        ranges_ = std::move(found.ranges);
+        fold(network.learnable_values());
+        // Errors of so many frames say enough.
+        constexpr std::size_t enough = std::max<std::size_t>(4096 / input.rows, 1);
+        const std::size_t sequence_count = frames.size() / input.size(),
+                          used = std::min(sequence_count, enough), outputs = exact.size() / sequence_count;
+        std::vector<float> some, right;
+        for (std::size_t i = 0; i < used; ++i) {
+            const std::size_t chosen = i * sequence_count / used;
+            some.insert(some.end(), frames.begin() + static_cast<std::ptrdiff_t>(chosen * input.size()),
+                        frames.begin() + static_cast<std::ptrdiff_t>((chosen + 1) * input.size()));
+            right.insert(right.end(), exact.begin() + static_cast<std::ptrdiff_t>(chosen * outputs),
+                         exact.begin() + static_cast<std::ptrdiff_t>((chosen + 1) * outputs));
+        }
+        choose_ranges(network, some, right, halvings_of_features(frames), found.halvings);
+    }
+    /// The folded numbers of the deployed stream; weights are whole multiples of their scales.
+    [[nodiscard]] std::span<const float, plan::folded_elements> folded() const {
+        return std::span<const float, plan::folded_elements>(folded_.data(), folded_.size());
+    }
 
-        write_word_steps(sequences);
-        const std::vector<float> scaled = scaled_by_word_steps(network.learnable_values());
+private:
+    /// The largest magnitude of each feature.
+    [[nodiscard]] [[gnu::cold]] static std::vector<float> largest_of(std::span<const float> sequences) {
+        std::vector<float> largest(input.channels);
+        for (std::size_t i = 0; i < sequences.size(); ++i) {
+            float& of_feature = largest[i % input.size() / input.rows];
+            of_feature = std::max(of_feature, std::abs(sequences[i]));
+        }
+        return largest;
+    }
+    /// The folded numbers of these ranges.
+    [[gnu::cold]] void fold(std::span<const float> parameters) {
+        write_word_steps();
+        const std::vector<float> scaled = scaled_by_word_steps(parameters);
         require_finite(scaled, "parameters and sequences");
         std::vector<map_range> ranges;
-        for (const auto& [lowest, highest] : found.ranges)
+        for (const auto& [lowest, highest] : ranges_)
             ranges.push_back(map_range::of(lowest, highest));
         float* const of_steps = folded_.data() + input.channels;
         steps::fold(scaled.data(), of_steps);
@@ -60,27 +96,103 @@ public:
             output.write(folded_.data() + plan::output_range);
         round_weights(plan::layout(), folded_);
     }
-    /// The folded numbers of the deployed stream; weights are whole multiples of their scales.
-    [[nodiscard]] std::span<const float, plan::folded_elements> folded() const {
-        return std::span<const float, plan::folded_elements>(folded_.data(), folded_.size());
-    }
-
-private:
-    [[gnu::cold]] void write_word_steps(std::span<const float> sequences) {
-        std::vector<float> largest(input.channels);
-        for (std::size_t i = 0; i < sequences.size(); ++i) {
-            float& of_feature = largest[i % input.size() / input.rows];
-            of_feature = std::max(of_feature, std::abs(sequences[i]));
+    [[nodiscard]] [[gnu::cold]] std::vector<std::size_t>
+    halvings_of_features(std::span<const float> frames) const {
+        std::vector<std::size_t> halvings;
+        for (std::size_t f = 0; f < input.channels; ++f) {
+            std::vector<float> of_feature;
+            for (std::size_t i = f; i < frames.size(); i += input.channels)
+                of_feature.push_back(frames[i]);
+            halvings.push_back(detail::stream_observation::halvings_of(of_feature));
         }
+        return halvings;
+    }
+    /// A few numbers far beyond all others would leave the others hardly any step of 8 or 16 bits. Where few
+    /// are, smaller ranges are tried, one after the other, and kept if they lose a tenth less: the others
+    /// saturate.
+    [[gnu::cold]] void choose_ranges(const Network& network, std::span<const float> frames,
+                                     std::span<const float> exact, std::span<const std::size_t> of_features,
+                                     std::span<const std::size_t> of_maps) {
+        const std::span<const float> parameters = network.learnable_values();
+        const std::vector<float> largest = largest_;
+        const std::vector<std::pair<double, double>> ranges = ranges_;
+        std::vector<std::size_t> times(of_features.begin(), of_features.end());
+        times.insert(times.end(), of_maps.begin(), of_maps.end());
+        if (std::all_of(times.begin(), times.end(), [](std::size_t n) { return n == 0; }))
+            return;
+        // Of a feature, or of the map after all features.
+        const auto error_with = [&](std::size_t range, std::size_t smaller) {
+            const int n = static_cast<int>(smaller);
+            if (range < input.channels) {
+                largest_[range] = std::ldexp(largest[range], -n);
+            } else {
+                const auto& [lowest, highest] = ranges[range - input.channels];
+                const double most = std::ldexp(std::max(-lowest, highest), -n);
+                ranges_[range - input.channels] = {std::max(lowest, -most), std::min(highest, most)};
+            }
+            fold(parameters);
+            return error_of(frames, exact);
+        };
+        std::vector<std::size_t> chosen(times.size());
+        double least = error_of(frames, exact);
+        // One small range shows little between large ones: all at once come first.
+        const auto set_all = [&](const std::vector<std::size_t>& smaller) {
+            double error = 0;
+            for (std::size_t range = 0; range < times.size(); ++range)
+                error = error_with(range, smaller[range]);
+            return error;
+        };
+        if (const double error = set_all(times); error < 0.9 * least)
+            least = error, chosen = times;
+        else
+            set_all(chosen);
+        for (int round = 0; round < 2; ++round) // the best range of one depends on those of the others
+            for (std::size_t range = 0; range < times.size(); ++range) {
+                std::size_t best = chosen[range];
+                double error = 0.9 * least;
+                const std::size_t near = 3; // halvings
+                for (std::size_t n = best - std::min(best, near);
+                     n <= std::min(times[range], chosen[range] + near); ++n)
+                    if (const double found = n == chosen[range] ? least : error_with(range, n); found < error)
+                        error = found, best = n;
+                if (times[range] > 0)
+                    least = error_with(range, chosen[range] = best);
+            }
+    }
+    /// The mean squared error of outputs after each frame, without the largest hundredth: frames beyond all
+    /// others must not decide.
+    [[nodiscard]] [[gnu::cold]] double error_of(std::span<const float> frames,
+                                                std::span<const float> exact) const {
+        const deployed_stream<Network, eight_bit> stream(folded());
+        std::vector<float> found(exact.size());
+        typename deployed_stream<Network, eight_bit>::state memory;
+        for (std::size_t frame = 0; frame * stream.features < frames.size(); ++frame) {
+            if (frame % input.rows == 0)
+                memory = {};
+            static_cast<void>(stream.step(
+                frames.subspan(frame * stream.features).template first<stream.features>(), memory,
+                std::span(found).subspan(frame * stream.outputs).template first<stream.outputs>()));
+        }
+        std::vector<double> squares(found.size());
+        for (std::size_t o = 0; o < found.size(); ++o) {
+            const double difference = static_cast<double>(found[o]) - static_cast<double>(exact[o]);
+            squares[o] = difference * difference;
+        }
+        std::sort(squares.begin(), squares.end());
+        squares.resize(squares.size() - squares.size() / 100);
+        return std::accumulate(squares.begin(), squares.end(), 0.0) / static_cast<double>(squares.size());
+    }
+    [[gnu::cold]] void write_word_steps() {
         // A feature that is always zero takes the least step: its weights, which nothing has trained, must
         // not set the scales of filters.
         float least = std::numeric_limits<float>::max();
-        for (const float of_feature : largest)
+        for (const float of_feature : largest_)
             least = of_feature > 0 ? std::min(least, of_feature) : least;
         if (least == std::numeric_limits<float>::max())
             least = 1;
         for (std::size_t f = 0; f < input.channels; ++f)
-            folded_[f] = std::clamp((largest[f] > 0 ? largest[f] : least) * headroom / 32767, 1e-30F, 1e30F);
+            folded_[f] =
+                std::clamp((largest_[f] > 0 ? largest_[f] : least) * headroom / 32767, 1e-30F, 1e30F);
     }
     /// Parameters for features in steps of their words: weights of the first layer, [row][feature][tap] in
     /// every kind of layer that can be first, are multiplied by the step of their feature.
@@ -111,6 +223,8 @@ private:
     }
 
     std::vector<float> folded_;
+    std::vector<float> largest_;                      ///< of each feature
+    std::vector<std::pair<double, double>> ranges_{}; ///< of each map
 };
 
 /// Deploys a trained network of sequences in 8 bits, for frames as they come. `sequences` are training

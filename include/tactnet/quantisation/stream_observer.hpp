@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,7 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace detail {
 struct stream_observation {
     std::size_t frames;                              ///< of a recording
     std::vector<std::pair<double, double>> ranges{}; ///< the lowest and highest number of each map
+    std::vector<std::size_t> halvings{};             ///< of each range, see halvings_of
 
     float out_of_range = 0; ///< a number of a map that is not finite or exceeds `most`, if there is one
     static constexpr float most = 1e30F;
@@ -27,6 +29,23 @@ struct stream_observation {
                 out_of_range = number;
         const auto [lowest, highest] = std::minmax_element(map.begin(), map.end());
         ranges.emplace_back(static_cast<double>(*lowest), static_cast<double>(*highest));
+        halvings.push_back(halvings_of(map));
+    }
+    /// The largest n for which at most a hundredth of some numbers exceed the largest magnitude ÷ 2ⁿ.
+    [[nodiscard]] [[gnu::cold]] static std::size_t halvings_of(std::span<const float> numbers) {
+        constexpr std::size_t most_halvings = 24;
+        float largest = 0;
+        for (const float number : numbers)
+            largest = std::max(largest, std::abs(number));
+        std::size_t count = 0;
+        for (; count < most_halvings && largest > 0; ++count) {
+            largest /= 2;
+            const auto beyond = std::count_if(numbers.begin(), numbers.end(),
+                                              [&](float number) { return std::abs(number) > largest; });
+            if (100 * static_cast<std::size_t>(beyond) > numbers.size())
+                break;
+        }
+        return count;
     }
 };
 
