@@ -6,14 +6,13 @@
 #include <tactnet/lowering/batch_executor.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
 #include <span>
-#include <stdexcept>
-#include <string>
 
 // Inference of many frames on all threads of a pool. The bits are those of each frame alone.
 
@@ -79,10 +78,9 @@ struct batch_inference {
                             thread_pool& pool, batch_workspace& memory, frame_status* status = nullptr) {
         const std::size_t count = frames.size();
         if (count * pixels != frames.elements() || count * outputs != to.size())
-            throw std::invalid_argument("deployed: expected frames of " + std::to_string(pixels) +
-                                        " counts and " + std::to_string(outputs) +
-                                        " outputs for each, found " + std::to_string(frames.elements()) +
-                                        " counts and " + std::to_string(to.size()) + " outputs");
+            detail::throw_invalid_argument({"deployed: expected frames of ", pixels, " counts and ", outputs,
+                                            " outputs for each, found ", frames.elements(), " counts and ",
+                                            to.size(), " outputs"});
         const auto infer = [&](std::size_t first, activation* thread_memory, const auto& executor) {
             return view.infer_batch(frames, first, to.data() + first * outputs, thread_memory, executor,
                                     status == nullptr ? nullptr : status + first);

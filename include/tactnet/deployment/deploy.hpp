@@ -7,6 +7,7 @@
 #include <tactnet/operators/sequence/lowering.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,6 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -37,26 +37,24 @@ struct folded_check<single_precision> {
 // Wrong arguments are reported out of line, compiled once for networks of all types.
 
 [[noreturn]] [[gnu::cold, gnu::noinline]] inline void throw_not_finite(bool of_input, float found) {
-    std::string text("deploy: expected ");
-    text.append(of_input ? "a mean and a scale" : "parameters and variances + epsilon above zero");
-    text.append(" that give finite numbers up to 1e30, found ").append(std::to_string(found));
-    throw std::invalid_argument(text.append(" once batch norms are folded in"));
+    throw_invalid_argument({"deploy: expected ",
+                            of_input ? "a mean and a scale" : "parameters and variances + epsilon above zero",
+                            " that give finite numbers up to 1e30, found ", std::to_string(found),
+                            " once batch norms are folded in"});
 }
 [[noreturn]] [[gnu::cold, gnu::noinline]] inline void throw_folded(float found, std::size_t place) {
-    std::string text("deploy: expected finite numbers, found ");
-    text.append(std::to_string(found)).append(" at place ");
-    throw std::invalid_argument(text.append(std::to_string(place)));
+    throw_invalid_argument(
+        {"deploy: expected finite numbers, found ", std::to_string(found), " at place ", place});
 }
 [[noreturn]] [[gnu::cold, gnu::noinline]] inline void throw_class_count(std::size_t outputs,
                                                                         std::size_t found) {
-    std::string text("deploy: expected a model that names 1 to ");
-    text.append(std::to_string(outputs)).append(" classes, found ");
-    throw std::invalid_argument(text.append(std::to_string(found)).append(" names"));
+    throw_invalid_argument(
+        {"deploy: expected a model that names 1 to ", outputs, " classes, found ", found, " names"});
 }
-
 [[noreturn]] [[gnu::cold, gnu::noinline]] inline void throw_class_name(const std::string& found) {
-    throw std::invalid_argument("deploy: expected names of classes, each once, found " +
-                                (found.empty() ? "an empty one" : "'" + found + "' twice"));
+    if (found.empty())
+        throw_invalid_argument({"deploy: expected names of classes, each once, found an empty one"});
+    throw_invalid_argument({"deploy: expected names of classes, each once, found ", quoted{found}, " twice"});
 }
 
 } // namespace detail

@@ -5,10 +5,10 @@
 #include <tactnet/deployment/eight_bit/layout.hpp>
 #include <tactnet/deployment/eight_bit/steps.hpp>
 #include <tactnet/operators/lowering.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <cstddef>
 #include <span>
-#include <stdexcept>
 #include <string>
 
 // The number format of 8 bits: deployed<Network, eight_bit>, its files and its exported headers. To make such
@@ -66,9 +66,8 @@ namespace detail {
 [[gnu::cold, gnu::noinline]] inline void require_no_problem(const char* call, const folded_layout& layout,
                                                             std::span<const float> folded) {
     if (const auto p = detail::find_problem(layout, folded))
-        throw std::invalid_argument(std::string(call) + ": " + p->array + ", element " +
-                                    std::to_string(p->element) + ": expected " + p->expected + ", found " +
-                                    p->found);
+        throw_invalid_argument({call, ": ", p->array, ", element ", p->element, ": expected ", p->expected,
+                                ", found ", p->found});
 }
 
 /// For the constructor of `deployed`.

@@ -1,14 +1,13 @@
 #pragma once
 
 #include <tactnet/quantisation/node_executor.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <span>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 // Runs a network on images in single precision: observes the range of each map, and the outputs with which
@@ -26,9 +25,8 @@ using run_quantised = bool (*)(std::span<const float> folded, std::span<const fl
 inline constexpr float largest_number = 1e30f;
 
 [[noreturn, gnu::cold, gnu::noinline]] inline void refuse_calibration_image(std::size_t which) {
-    throw std::invalid_argument(
-        "deploy: expected calibration images that the network recognises, found number " +
-        std::to_string(which) + " of those taken broken");
+    throw_invalid_argument({"deploy: expected calibration images that the network recognises, found number ",
+                            which, " of those taken broken"});
 }
 
 /// Observes the range of each map, and the outputs, of a network with exact weights.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/deployment/deploy.hpp>
 #include <tactnet/quantisation/activation_observer.hpp>
 #include <tactnet/quantisation/weight_rounding.hpp>
 
@@ -8,8 +9,6 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
-#include <stdexcept>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -129,19 +128,15 @@ public:
 private:
     /// Rejects numbers that no deployed network has.
     [[gnu::cold]] void check(std::size_t size, float scale) const {
-        const auto refuse = [](const std::string& what, float found) {
-            throw std::invalid_argument("deploy: expected " + what +
-                                        " that give finite numbers up to 1e30, found " +
-                                        std::to_string(found) + " once batch norms are folded in");
+        const auto require = [](bool of_input, float number) {
+            if (!(std::abs(number) <= largest_number))
+                throw_not_finite(of_input, number);
         };
         for (std::size_t e = 0; e < size; ++e)
-            if (!(std::abs(folded_[e]) <= largest_number))
-                refuse("a mean and a scale", folded_[e]);
-        if (!(std::abs(scale) <= largest_number))
-            refuse("a mean and a scale", scale);
+            require(true, folded_[e]);
+        require(true, scale);
         for (std::size_t i = size + 2; i < folded_.size(); ++i)
-            if (!(std::abs(folded_[i]) <= largest_number))
-                refuse("parameters and variances + epsilon above zero", folded_[i]);
+            require(false, folded_[i]);
     }
 
     std::vector<float> folded_;

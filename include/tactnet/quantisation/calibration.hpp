@@ -5,14 +5,13 @@
 #include <tactnet/operators/lowering.hpp>
 #include <tactnet/quantisation/calibrated_network.hpp>
 #include <tactnet/quantisation/graph_of.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <memory>
 #include <span>
-#include <stdexcept>
-#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -69,9 +68,8 @@ private:
         constexpr std::size_t size = input_shape.size();
         const std::size_t count = frames.size(), used = std::min(count, max_images);
         if (count == 0 || count * size != frames.elements())
-            throw std::invalid_argument("deploy: expected one or more calibration images of " +
-                                        std::to_string(size) + " counts, found " +
-                                        std::to_string(frames.elements()) + " counts");
+            detail::throw_invalid_argument({"deploy: expected one or more calibration images of ", size,
+                                            " counts, found ", frames.elements(), " counts"});
         std::vector<float> images(used * size);
         for (std::size_t i = 0; i < used; ++i)
             frames[i * count / used].visit([&](auto frame_elements) {

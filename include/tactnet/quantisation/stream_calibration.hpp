@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/quantisation/stream_observer.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +9,6 @@
 #include <limits>
 #include <numeric>
 #include <span>
-#include <stdexcept>
-#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -37,9 +36,8 @@ public:
         static_assert(std::is_same_v<typename Network::value_type, float>,
                       "deploy_stream: the network must be in single precision");
         if (sequences.empty() || sequences.size() % input.size() != 0)
-            throw std::invalid_argument("deploy_stream: expected one or more calibration sequences of " +
-                                        std::to_string(input.size()) + " numbers, found " +
-                                        std::to_string(sequences.size()) + " numbers");
+            detail::throw_invalid_argument({"deploy_stream: expected one or more calibration sequences of ",
+                                            input.size(), " numbers, found ", sequences.size(), " numbers"});
         const float* const values = network.learnable_values().data();
         require_finite(network.learnable_values().first(Network::parameters), "parameters");
         require_finite(sequences, "calibration sequences");
@@ -217,9 +215,9 @@ private:
     [[gnu::cold]] static void require_finite(std::span<const float> numbers, const char* what) {
         for (const float number : numbers)
             if (!(std::abs(number) <= detail::stream_observation::most))
-                throw std::invalid_argument(std::string("deploy_stream: expected ") + what +
-                                            " that give finite numbers up to 1e30, found " +
-                                            detail::short_number(static_cast<double>(number)));
+                detail::throw_invalid_argument({"deploy_stream: expected ", what,
+                                                " that give finite numbers up to 1e30, found ",
+                                                detail::short_number(static_cast<double>(number))});
     }
 
     std::vector<float> folded_;

@@ -5,13 +5,13 @@
 #include <tactnet/deployment/export/header_form.hpp>
 #include <tactnet/deployment/export/literals.hpp>
 #include <tactnet/deployment/export/step_text.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -67,8 +67,8 @@ template <class Network, class Format>
     std::array<float, deployed_type::outputs> outputs;
     const auto memory = std::make_unique<typename view::workspace>(); // may be more than a stack holds
     if (network.infer(frame, outputs, *memory) != frame_status::ok)
-        throw std::invalid_argument("deployed_header: expected a frame that gives finite outputs for the "
-                                    "self-test, found one that does not");
+        detail::throw_invalid_argument({"deployed_header: expected a frame that gives finite outputs for the "
+                                        "self-test, found one that does not"});
 
     step_text steps;
     const std::string chain =

@@ -3,10 +3,10 @@
 #include <tactnet/deployment/export/header_description.hpp>
 #include <tactnet/deployment/export/literals.hpp>
 #include <tactnet/deployment/export/step_text.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <cstddef>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -76,12 +76,11 @@ inline const recogniser_type::packed_weights packed = recogniser_type::pack(fold
 [[gnu::cold, gnu::noinline]] inline void require_names(const header_description& description,
                                                        std::size_t outputs) {
     if (!is_namespace_name(description.namespace_name))
-        throw std::invalid_argument(
-            "deployed_header: expected a namespace such as gripper::tactile, found '" +
-            description.namespace_name + "'");
+        throw_invalid_argument({"deployed_header: expected a namespace such as gripper::tactile, found ",
+                                quoted{description.namespace_name}});
     if (description.classes.size() > outputs)
-        throw std::invalid_argument("deployed_header: expected at most " + std::to_string(outputs) +
-                                    " class names, found " + std::to_string(description.classes.size()));
+        throw_invalid_argument({"deployed_header: expected at most ", outputs, " class names, found ",
+                                description.classes.size()});
 }
 
 /// The values of the fields that all headers have, but for @type@, @view header@ and @contents@. `usual` is

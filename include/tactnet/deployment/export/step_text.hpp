@@ -7,6 +7,7 @@
 #include <tactnet/operators/activations/function.hpp>
 #include <tactnet/tensor/pooling_windows.hpp>
 #include <tactnet/tensor/shape.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <concepts>
 #include <cstddef>
@@ -34,8 +35,8 @@ namespace detail {
         return std::to_string(value);
 }
 [[nodiscard]] inline std::string text_of(const shape& s) {
-    return "tactnet::shape{.rows = " + std::to_string(s.rows) + ", .columns = " + std::to_string(s.columns) +
-           ", .channels = " + std::to_string(s.channels) + "}";
+    return joined(
+        {"tactnet::shape{.rows = ", s.rows, ", .columns = ", s.columns, ", .channels = ", s.channels, "}"});
 }
 /// Numbers in braces.
 [[nodiscard]] inline std::string list_of(std::initializer_list<std::size_t> numbers) {
@@ -56,10 +57,9 @@ namespace detail {
 }
 [[nodiscard]] inline std::string text_of(const sliding_window& w) {
     const auto& [input, kernel, stride, top, bottom, left, right] = w;
-    return "tactnet::sliding_window{.input = " + text_of(input) + ", .kernel = " + list_of(kernel) +
-           ", .stride = " + list_of(stride) + ", .top = " + std::to_string(top) +
-           ", .bottom = " + std::to_string(bottom) + ", .left = " + std::to_string(left) +
-           ", .right = " + std::to_string(right) + "}";
+    return joined({"tactnet::sliding_window{.input = ", text_of(input), ", .kernel = ", list_of(kernel),
+                   ", .stride = ", list_of(stride), ", .top = ", top, ", .bottom = ", bottom,
+                   ", .left = ", left, ", .right = ", right, "}"});
 }
 [[nodiscard]] inline std::string text_of(const pooling_windows& w) {
     const auto axis = [](const pooling_axis& a) {
@@ -84,25 +84,24 @@ namespace detail {
     // The stride of the input is the exported one, and the last two concern a group of several alone.
     const auto& [window, filters, input_stride, pool, pooled_rows, pooled_columns, activation, accumulates,
                  groups, map_stride, map_offset, map_offset_multiple, input_offset_multiple] = c;
-    std::string text = "tactnet::kernels::frame_convolution{\n    .window = " + text_of(window) +
-                       ",\n    .filters = " + std::to_string(filters) + ", .input_stride = " + stride +
-                       ", .pool = " + list_of(pool) + ", .pooled_rows = " + std::to_string(pooled_rows) +
-                       ", .pooled_columns = " + std::to_string(pooled_columns);
+    std::string text =
+        joined({"tactnet::kernels::frame_convolution{\n    .window = ", text_of(window),
+                ",\n    .filters = ", filters, ", .input_stride = ", stride, ", .pool = ", list_of(pool),
+                ", .pooled_rows = ", pooled_rows, ", .pooled_columns = ", pooled_columns});
     if (activation->exists)
         text += ", .activation = " + text_of(*activation);
     if (accumulates)
         text += ", .accumulates = true";
     if (groups > 1)
-        text += ", .groups = " + std::to_string(groups);
+        text += joined({", .groups = ", groups});
     if (map_stride > 0)
-        text +=
-            ", .map_stride = " + std::to_string(map_stride) + ", .map_offset = " + std::to_string(map_offset);
+        text += joined({", .map_stride = ", map_stride, ", .map_offset = ", map_offset});
     return text + "}";
 }
 [[nodiscard]] inline std::string text_of(const kernels::frame_dense& d, const std::string& stride) {
     const auto& [input, input_stride, outputs] = d;
-    return "tactnet::kernels::frame_dense{.input = " + text_of(input) + ", .input_stride = " + stride +
-           ", .outputs = " + std::to_string(outputs) + "}";
+    return joined({"tactnet::kernels::frame_dense{.input = ", text_of(input), ", .input_stride = ", stride,
+                   ", .outputs = ", outputs, "}"});
 }
 
 /// Types as C++.
@@ -129,9 +128,8 @@ template <std::intmax_t Numerator, std::intmax_t Denominator>
 }
 template <std::size_t Size, class Alpha, class Beta, class K>
 [[nodiscard]] std::string text_of(std::type_identity<kernels::response_rule<Size, Alpha, Beta, K>>) {
-    return "tactnet::kernels::response_rule<" + std::to_string(Size) + ", " +
-           text_of(std::type_identity<Alpha>{}) + ", " + text_of(std::type_identity<Beta>{}) + ", " +
-           text_of(std::type_identity<K>{}) + ">";
+    return joined({"tactnet::kernels::response_rule<", Size, ", ", text_of(std::type_identity<Alpha>{}), ", ",
+                   text_of(std::type_identity<Beta>{}), ", ", text_of(std::type_identity<K>{}), ">"});
 }
 
 template <activation_function Function>
@@ -151,15 +149,13 @@ template <class Cell>
 
 // Details of an argument for the title of its step, for people.
 [[nodiscard]] inline std::string size_of(const extent2d& e) {
-    return std::to_string(e.rows) + " × " + std::to_string(e.columns);
+    return joined({e.rows, " × ", e.columns});
 }
 [[nodiscard]] inline std::string size_of(const shape& s) {
-    return std::to_string(s.rows) + " × " + std::to_string(s.columns) + " × " + std::to_string(s.channels);
+    return joined({s.rows, " × ", s.columns, " × ", s.channels});
 }
 [[nodiscard]] inline std::string details_of(const sliding_window& w) {
-    std::string what = " ";
-    what += size_of(w.kernel) + " by steps of " + size_of(w.stride);
-    return what;
+    return joined({" ", size_of(w.kernel), " by steps of ", size_of(w.stride)});
 }
 [[nodiscard]] inline std::string details_of(const kernels::frame_convolution& c) {
     std::string what = " ";
@@ -169,11 +165,11 @@ template <class Cell>
     if (c.accumulates)
         what += ", sum with the other branch";
     if (c.groups > 1)
-        what += " in " + std::to_string(c.groups) + " groups";
+        what += joined({" in ", c.groups, " groups"});
     if (c.pool != extent2d(1))
         what += ", max pool " + size_of(c.pool);
     if (c.activation->exists)
-        what += std::string(", ") + c.activation->title;
+        what += joined({", ", c.activation->title});
     return what;
 }
 
@@ -261,7 +257,7 @@ private:
             if constexpr (How == step_composition::chain)
                 input = Step::output, stride = name + "::output_stride";
             if constexpr (How == step_composition::concatenation)
-                append_text("tactnet::branch_step<" + name + ", " + std::to_string(inner.offset) + ">");
+                append_text(detail::joined({"tactnet::branch_step<", name, ", ", inner.offset, ">"}));
             else
                 append_text(name);
         }
@@ -271,8 +267,8 @@ private:
     [[gnu::cold, gnu::noinline]] std::string defined(const spelling& spelled, const std::string& from,
                                                      const std::string& to) {
         std::string name = "step_" + std::to_string(++count_);
-        definitions_ += "// " + spelled.title + ": " + from + " → " + to + "\nusing " + name + " = " +
-                        spelled.type + ";\n";
+        definitions_ += detail::joined(
+            {"// ", spelled.title, ": ", from, " → ", to, "\nusing ", name, " = ", spelled.type, ";\n"});
         return name;
     }
 

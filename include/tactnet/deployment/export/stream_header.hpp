@@ -4,11 +4,11 @@
 #include <tactnet/deployment/export/header_form.hpp>
 #include <tactnet/deployment/export/step_text.hpp>
 #include <tactnet/deployment/stream.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <array>
 #include <cstddef>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -66,16 +66,15 @@ template <class Network, class Format>
     using view = typename deployed_stream<Network, Format>::view_type;
     detail::require_names(description, view::outputs);
     if (recording.empty() || recording.size() % view::features != 0)
-        throw std::invalid_argument("deployed_header: expected a recording of one or more frames of " +
-                                    std::to_string(view::features) + " features, found " +
-                                    std::to_string(recording.size()) + " numbers");
+        detail::throw_invalid_argument({"deployed_header: expected a recording of one or more frames of ",
+                                        view::features, " features, found ", recording.size(), " numbers"});
     typename view::state state;
     std::array<float, view::outputs> outputs{};
     for (std::size_t first = 0; first < recording.size(); first += view::features)
         if (stream.step(recording.subspan(first).template first<view::features>(), state, outputs) !=
             frame_status::ok)
-            throw std::invalid_argument("deployed_header: expected a recording that the stream takes for the "
-                                        "self-test, found a frame that it refuses");
+            detail::throw_invalid_argument({"deployed_header: expected a recording that the stream takes for "
+                                            "the self-test, found a frame that it refuses"});
 
     // Rows are padded to whole vectors, which in 8 bits are four times as long.
     constexpr std::size_t packed_steps = std::is_same_v<Format, single_precision> ? 1 : 4;
