@@ -43,13 +43,6 @@ void check_settings(const method& what, const training_settings& s) {
         refuse("--start: expected a network that begins with random weights, found {}, which begins with "
                "those of --pretrained",
                what.name);
-    if (what.keeps_features() && s.augmentation && *s.augmentation != "none")
-        refuse("--augmentation: expected none, since features of images are found once, for {}; found {}",
-               what.name, *s.augmentation);
-    if (what.keeps_features() && (s.rotation || s.translation))
-        refuse("--rotation, --translation: expected a method that varies images, found {}, which finds their "
-               "features once",
-               what.name);
     if (s.augmentation == "none" && (s.rotation || s.translation))
         refuse("--rotation, --translation: expected an augmentation, which they change, found --augmentation "
                "none");

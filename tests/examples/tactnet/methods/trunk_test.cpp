@@ -153,12 +153,7 @@ TEST_SUITE("program") {
             {"evaluate --data DATA --weights net --pretrained p",
              "--pretrained: expected a training, found --weights, whose file holds all that it needs"},
             {trains("squeezenet-pooled-svm", "--augmentation sixfold"),
-             "--augmentation: expected none, since features of images are found once, for "
-             "squeezenet-pooled-svm; found sixfold"},
-            {trains("squeezenet-pooled-svm", "--rotation 5"),
-             "--rotation, --translation: expected a method that varies images, found squeezenet-pooled-svm, "
-             "which "
-             "finds their features once"},
+             "--start: expected a network, found squeezenet-pooled-svm, which is not trained by epochs"},
         });
         tactnet::write_file(shop / "pretrained", std::string_view("no such file"));
         shop.refuses(trains("squeezenet-svm"),
