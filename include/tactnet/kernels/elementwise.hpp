@@ -38,7 +38,7 @@ template <class T>
 [[nodiscard]] auto shifted_root(T offset) {
     const vector<T> shift(offset);
     return [shift, root = square_root<T>(shift)](const vector<T>& x) {
-        const vector<T> zero(T{}), y = x / (square_root<T>(x + shift) + root);
+        const vector<T> zero(T{}), y = quotient<vector<T>>(x, square_root<T>(x + shift) + root);
         return choose<T>(x < zero, zero, y);
     };
 }
@@ -51,7 +51,7 @@ void shifted_root_backward(T offset, const T* output, const T* output_gradient, 
     const vector<T> zero(T{}), half(T(0.5)), root = square_root<T>(vector<T>(offset));
     transform_vectors(
         [&](const auto& y, const auto& gradient) {
-            return choose<T>(y > zero, half * gradient / (y + root), zero);
+            return choose<T>(y > zero, quotient<vector<T>>(half * gradient, y + root), zero);
         },
         count, input_gradient, output, output_gradient);
 }

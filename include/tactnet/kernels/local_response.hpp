@@ -29,11 +29,11 @@ struct response_rule {
         const vector<T> one(T{1});
         if constexpr (std::ratio_equal_v<Beta, std::ratio<3, 4>>) {
             const vector<T> root = square_root<T>(x);
-            return one / (root * square_root<T>(root));
+            return quotient<vector<T>>(one, root * square_root<T>(root));
         } else if constexpr (std::ratio_equal_v<Beta, std::ratio<1, 2>>) {
-            return one / square_root<T>(x);
+            return quotient(one, square_root<T>(x));
         } else if constexpr (std::ratio_equal_v<Beta, std::ratio<1>>) {
-            return one / x;
+            return quotient(one, x);
         } else {
             alignas(vector_alignment) std::array<T, lanes<T>> each;
             store(each.data(), x);
@@ -84,7 +84,8 @@ void normalise_responses_backward(std::size_t channels, std::size_t pixels, cons
             if (i < channels) {
                 const vector<T> base = Rule::base(x, plane, i, channels);
                 factors[i % size] = Rule::template power<T>(base);
-                term = load(dy + i * plane) * load(x + i * plane) * factors[i % size] / base;
+                term =
+                    quotient<vector<T>>(load(dy + i * plane) * load(x + i * plane) * factors[i % size], base);
             }
             terms[i % size] = term;
             if (i < ahead)

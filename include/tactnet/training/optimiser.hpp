@@ -131,8 +131,9 @@ void take_step(const adamw& rule, optimiser_state<T>& state, double rate, std::s
         kernels::store(&state.second[i], second);
         const kernels::vector<T> share = detail::rate_share(shares, i);
         const kernels::vector<T> shrunk = value - decay * share * kernels::load(&decayed[i]) * value;
-        kernels::store(&values[i],
-                       shrunk - step * share * first / (kernels::square_root<T>(second) * unbias + epsilon));
+        kernels::store(&values[i], shrunk - kernels::quotient<kernels::vector<T>>(
+                                                step * share * first,
+                                                kernels::square_root<T>(second) * unbias + epsilon));
     }
 }
 

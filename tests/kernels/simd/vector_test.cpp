@@ -44,7 +44,8 @@ TEST_CASE_TEMPLATE("vector: every operation, lane by lane", T, float, double) {
     const values<T> a = draw_values<T>(1), b = draw_values<T>(2), c = draw_values<T>(3);
     const vector<T> x = load(a.data()), y = load(b.data()), z = load(c.data());
     const values<T> sum = stored<T>(x + y), difference = stored<T>(x - y), product = stored<T>(x * y),
-                    quotient = stored<T>(x / y), joined = stored<T>(multiply_add<T>(x, y, z)),
+                    quotient = stored<T>(kernels::quotient(x, y)),
+                    joined = stored<T>(multiply_add<T>(x, y, z)),
                     larger = stored<T>(maximum_keeping_nan<T>(x, y)), root = stored<T>(square_root<T>(x * x)),
                     chosen = stored<T>(choose<T>(x < y, x, z)), greater = stored<T>(choose<T>(x > y, x, z)),
                     same = stored<T>(choose<T>(x == x, x, z)), all = stored<T>(vector<T>(T{3}));
@@ -97,6 +98,25 @@ TEST_CASE_TEMPLATE("maximum: keeps a NaN from either side", T, float, double) {
         CHECK(std::isnan(stored<T>(maximum_keeping_nan<T>(whole, broken))[i]));
         CHECK(stored<T>(maximum_keeping_nan<T>(vector<T>(-std::numeric_limits<T>::infinity()), whole))[i] ==
               1);
+    }
+}
+
+TEST_CASE_TEMPLATE("quotient: rounded once, as square_root, at the ends of the range too", T, float, double) {
+    using limits = std::numeric_limits<T>;
+    const T numbers[] = {T(1),
+                         T(3),
+                         T(-0.7),
+                         limits::max(),
+                         limits::min(),
+                         T(5) / T(1e3),
+                         limits::infinity(),
+                         3 * limits::denorm_min()};
+    for (const T a : numbers) {
+        if (a > 0)
+            CHECK(stored<T>(square_root<T>(vector<T>(a)))[0] == std::sqrt(a));
+        for (const T b : numbers)
+            if (std::isfinite(a) || std::isfinite(b))
+                CHECK(stored<T>(quotient(vector<T>(a), vector<T>(b)))[0] == a / b);
     }
 }
 

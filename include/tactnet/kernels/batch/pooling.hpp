@@ -110,7 +110,7 @@ void average_pool_forward(const pooling_windows& windows, std::size_t channels, 
             for (std::size_t y = rows.begin; y < rows.end; ++y)
                 for (std::size_t x = columns.begin; x < columns.end; ++x)
                     sum = sum + load(input + (y * columns_of_input + x) * width);
-            store(output + o * width, sum / vector<T>(static_cast<T>(divisor)));
+            store(output + o * width, quotient(sum, vector<T>(static_cast<T>(divisor))));
         });
         input += windows.rows.size * windows.columns.size * width;
         output += windows.rows.outputs * windows.columns.outputs * width;
@@ -127,7 +127,8 @@ void average_pool_backward(const pooling_windows& windows, std::size_t channels,
     std::fill_n(input_gradient, channels * plane, T{});
     for (std::size_t channel = 0; channel < channels; ++channel) {
         windows.for_each([&](std::size_t o, pixel_range rows, pixel_range columns, std::size_t divisor) {
-            const vector<T> share = load(output_gradient + o * width) / vector<T>(static_cast<T>(divisor));
+            const vector<T> share =
+                quotient(load(output_gradient + o * width), vector<T>(static_cast<T>(divisor)));
             for (std::size_t y = rows.begin; y < rows.end; ++y)
                 for (std::size_t x = columns.begin; x < columns.end; ++x) {
                     T* const to = input_gradient + (y * columns_of_input + x) * width;

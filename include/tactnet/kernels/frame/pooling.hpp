@@ -190,7 +190,7 @@ void average_pixels(const pooling_windows& windows, std::size_t stride, const fl
                         sums[i] = sums[i] + access::load(from + i * width);
                 }
             for (std::size_t i = 0; i < Together; ++i)
-                access::store(output + o * stride + channel + i * width, sums[i] / count);
+                access::store(output + o * stride + channel + i * width, quotient(sums[i], count));
         };
         std::size_t channel = 0;
         for (; channel + 4 * width <= stride; channel += 4 * width)

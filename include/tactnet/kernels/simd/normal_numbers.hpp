@@ -98,24 +98,27 @@ private:
             // The tangent of half the angle is t = x / d; cos = (1 − t²) / (1 + t²) and sin = 2 t / (1 + t²).
             const v x = load(quarter_angle.data() + i);
             const v d = tangent_denominator(x * x);
-            const v t_squared = (x * x) / (d * d);
-            const v scaled = radius / (v(1) + t_squared);
+            const v t_squared = quotient<v>(x * x, d * d);
+            const v scaled = quotient<v>(radius, v(1) + t_squared);
             store<float>(to + i, scaled * (v(1) - t_squared));
-            store<float>(to + blocks + i, scaled * (v(2) * x / d));
+            store<float>(to + blocks + i, scaled * quotient<v>(v(2) * x, d));
         }
     }
     /// log₂ m = 2 atanh z / ln 2 with z = (m − 1) / (m + 1), with a relative error of 5·10⁻⁹ and rounding.
     static vector<float> log2_of(const vector<float>& m) {
         using v = vector<float>;
-        const v z = (m - v(1)) / (m + v(1));
+        const v z = quotient<v>(m - v(1), m + v(1));
         const v t = z * z;
-        return v(2 / std::numbers::ln2_v<float>) * z /
-               (v(1) - t / (v(3) - v(4) * t / (v(5) - v(9) * t / v(7))));
+        const v below = v(3) - quotient<v>(v(4) * t, v(5) - quotient<v>(v(9) * t, v(7)));
+        return quotient<v>(v(2 / std::numbers::ln2_v<float>) * z, v(1) - quotient(t, below));
     }
     /// x / tan x for |x| ≤ π / 4, from x², with a relative error of 2·10⁻⁸ and rounding.
     static vector<float> tangent_denominator(const vector<float>& square) {
         using v = vector<float>;
-        return v(1) - square / (v(3) - square / (v(5) - square / (v(7) - square / v(9))));
+        v below(9);
+        for (const float odd : {7.0F, 5.0F, 3.0F, 1.0F})
+            below = v(odd) - quotient(square, below);
+        return below;
     }
 
     std::array<std::uint32_t, 2> key_;

@@ -122,13 +122,13 @@ template <float_vector Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector hyperbolic_tangent(const Vector& x) {
     const Vector less = negative_magnitude(x);
     const detail::exponential_parts p(less + less);
-    return with_sign_of(x, p.plus(-1) / p.plus(1));
+    return with_sign_of(x, quotient(p.plus(-1), p.plus(1)));
 }
 
 /// log(1 + x) for 0 ≤ x ≤ 1, within 2 units in the last place: 2 artanh(x ÷ (2 + x)).
 template <float_vector Vector>
 [[nodiscard]] [[gnu::always_inline]] inline Vector log_one_plus(const Vector& x) {
-    const Vector s = x / (x + Vector(2.0F)), square = s * s;
+    const Vector s = quotient<Vector>(x, x + Vector(2.0F)), square = s * s;
     const Vector series = detail::polynomial(
         square, {0x1.dba26p-3F, 0x1.bc8cf8p-3F, 0x1.24c926p-2F, 0x1.9998d4p-2F, 0x1.555556p-1F});
     return fused_multiply_add(s * square, series, s + s);
@@ -175,7 +175,7 @@ template <float_vector Vector>
         detail::polynomial(within, {0x1.06f378p-8F, 0x1.4726bep-5F, 0x1.7308a4p-3F, 0x1.bdf672p-2F, 0.5F});
     const Vector below = detail::polynomial(
         within, {0x1.498e3ap-7F, 0x1.9a0dc2p-4F, 0x1.db268ep-2F, 0x1.31a542p0F, 0x1.ab3d68p0F, 1.0F});
-    return detail::bell(within) * above / below;
+    return quotient<Vector>(detail::bell(within) * above, below);
 }
 
 }}} // namespace tactnet::kernels

@@ -34,7 +34,12 @@ static_assert(sizeof(vector<float>) <= vector_alignment,
 
 template <class T>
 [[nodiscard]] inline vector<T> square_root(const vector<T>& a) {
-    return xsimd::sqrt(a);
+#if defined(__aarch64__)
+    if constexpr (requires { detail::root(a.data); })
+        return vector<T>(detail::root(a.data));
+    else
+#endif
+        return xsimd::sqrt(a);
 }
 template <class T>
 [[nodiscard]] inline vector<T> choose(const mask<T>& condition, const vector<T>& yes, const vector<T>& no) {

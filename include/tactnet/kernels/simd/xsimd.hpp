@@ -24,8 +24,9 @@
 #endif
 #endif
 
-// xsimd, and what differs between its versions: the fused multiply-add, which old ones lack, and the larger
-// and the smaller of two numbers, of which version 14.2 exchanged the operands.
+// xsimd, and what it does in its own way: the fused multiply-add, which old versions lack; the larger and the
+// smaller of two numbers, whose operands version 14.2 exchanged; quotients and square roots of floats, which
+// on ARM come of estimates.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
@@ -99,6 +100,13 @@ namespace detail {
 [[nodiscard]] [[gnu::always_inline]] inline v128_t smaller(v128_t a, v128_t b) {
     return wasm_f32x4_pmin(b, a);
 }
+#elif defined(__aarch64__)
+[[nodiscard]] [[gnu::always_inline]] inline float32x4_t divide(float32x4_t a, float32x4_t b) {
+    return vdivq_f32(a, b);
+}
+[[nodiscard]] [[gnu::always_inline]] inline float32x4_t root(float32x4_t a) {
+    return vsqrtq_f32(a);
+}
 #endif
 } // namespace detail
 
@@ -114,6 +122,17 @@ template <class Vector>
 }
 
 #endif
+
+/// a / b, rounded once.
+template <class Number>
+[[nodiscard]] [[gnu::always_inline]] constexpr Number quotient(const Number& a, const Number& b) {
+#if !defined(TACTNET_NO_SIMD) && defined(__aarch64__)
+    if constexpr (requires { detail::divide(a.data, b.data); })
+        return Number(detail::divide(a.data, b.data));
+    else
+#endif
+        return a / b;
+}
 
 }}} // namespace tactnet::kernels
 

@@ -91,7 +91,9 @@ struct hard_sigmoid_function {
     template <class Number>
     static constexpr Number backward(const Number& y, const Number& gradient) {
         return kernels::choose_lanes(
-            y > Number(0), kernels::choose_lanes(y < Number(1), gradient / Number(6), Number(0)), Number(0));
+            y > Number(0),
+            kernels::choose_lanes(y < Number(1), kernels::quotient(gradient, Number(6)), Number(0)),
+            Number(0));
     }
 };
 
@@ -109,7 +111,7 @@ struct hard_swish_function {
     }
     template <class Number>
     static constexpr Number backward_from_input(const Number& x, const Number& gradient) {
-        const Number between = gradient * ((x + Number(1.5F)) / Number(3));
+        const Number between = gradient * (kernels::quotient<Number>(x + Number(1.5F), Number(3)));
         return kernels::choose_lanes(x > Number(-3), kernels::choose_lanes(x < Number(3), between, gradient),
                                      kernels::choose_lanes(x == x, Number(0), x));
     }

@@ -20,7 +20,7 @@ struct sigmoid_function {
 
     template <class Number>
     static constexpr Number value(const Number& x) {
-        return Number(1) / kernels::one_plus_exponential_of_opposite(x);
+        return kernels::quotient<Number>(Number(1), kernels::one_plus_exponential_of_opposite(x));
     }
     template <class Number>
     static constexpr Number backward(const Number& y, const Number& gradient) {
@@ -37,7 +37,7 @@ struct silu_function {
 
     template <class Number>
     static constexpr Number value(const Number& x) {
-        return x / kernels::one_plus_exponential_of_opposite(x);
+        return kernels::quotient<Number>(x, kernels::one_plus_exponential_of_opposite(x));
     }
     /// σ(x) · (1 + x · σ(−x)): the difference 1 − σ(x) would cancel.
     template <class Number>

@@ -73,8 +73,9 @@ struct noise {
             const v large(static_cast<float>(most)), small(-static_cast<float>(most));
             const v size = kernels::choose<float>(value < large,
                                                   kernels::choose<float>(value > small, value, small), large);
-            const v variance = v(variance_) + (size * size) / v(inverse_);
-            return value + number / kernels::square_root<float>(v(1) / variance);
+            const v variance = v(variance_) + kernels::quotient<v>(size * size, v(inverse_));
+            return value + kernels::quotient<v>(
+                               number, kernels::square_root<float>(kernels::quotient(v(1), variance)));
         }
 
         bool none_;
