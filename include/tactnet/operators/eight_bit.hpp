@@ -7,10 +7,10 @@
 #include <tactnet/operators/dilated_convolution/eight_bit.hpp>
 #include <tactnet/operators/gate/eight_bit.hpp>
 #include <tactnet/operators/local_response_norm/eight_bit.hpp>
-#include <tactnet/operators/parametric_relu/eight_bit.hpp>
+#include <tactnet/operators/activations/eight_bit.hpp>
 #include <tactnet/operators/pooling/eight_bit.hpp>
 #include <tactnet/operators/sample_norms/eight_bit.hpp>
-#include <tactnet/operators/square_root/eight_bit.hpp>
+#include <tactnet/operators/activations/eight_bit.hpp>
 #include <tactnet/operators/upsampling/eight_bit.hpp>
 
 // The 8-bit steps of every operator that has one.

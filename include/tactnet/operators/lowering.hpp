@@ -10,13 +10,12 @@
 #include <tactnet/operators/dropout/lowering.hpp>
 #include <tactnet/operators/gate/lowering.hpp>
 #include <tactnet/operators/local_response_norm/lowering.hpp>
-#include <tactnet/operators/parametric_relu/lowering.hpp>
+#include <tactnet/operators/activations/lowering.hpp>
 #include <tactnet/operators/pooling/lowering.hpp>
 #include <tactnet/operators/residual/lowering.hpp>
 #include <tactnet/operators/sample_norms/lowering.hpp>
 #include <tactnet/operators/sequence/lowering.hpp>
-#include <tactnet/operators/softmax/lowering.hpp>
-#include <tactnet/operators/square_root/lowering.hpp>
+#include <tactnet/operators/activations/lowering.hpp>
 #include <tactnet/operators/transposed_convolution/lowering.hpp>
 #include <tactnet/operators/upsampling/lowering.hpp>
 

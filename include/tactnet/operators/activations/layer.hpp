@@ -3,8 +3,12 @@
 #include <tactnet/operators/activations/function.hpp>
 #include <tactnet/operators/layer.hpp>
 
+#include <array>
 #include <cstddef>
+#include <ratio>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
@@ -26,5 +30,63 @@ struct activation {
 
 /// Rectified linear unit: max(x, 0). In place.
 using relu = activation<relu_function>;
+
+/// Parametric ReLU (He, Zhang, Ren, Sun, "Delving deep into rectifiers", 2015): x above 0, otherwise slope ·
+/// x, with a learned slope for each channel. PyTorch's nn.PReLU(channels); in weight files "prelu1.weight" of
+/// shape [channels]. `initialise` sets slopes to ¼, and weight decay leaves them alone.
+struct parametric_relu {
+    static constexpr std::string_view name = "prelu";
+    static constexpr bool numbered = true;
+
+    static constexpr layer_costs costs(const shape& input) {
+        return {.output = input, .parameters = input.channels};
+    }
+
+    template <class T, shape Input>
+    struct layer : layer_base<T, Input, parametric_relu> {
+        static constexpr std::size_t channels = Input.channels;
+
+        static void describe(const std::string& prefix, std::vector<parameter>& list) {
+            describe_array(list, prefix, "weight", parameter_role::slope, {channels}, 0);
+        }
+    };
+};
+
+/// y = √(x + offset) − √offset, and 0 for x below 0. As the first layer of a network of counts it stabilises
+/// their variance: counts are noisier the larger they are, and the noise of their root is nearly constant
+/// (Anscombe, "The transformation of Poisson, binomial and negative-binomial data", 1948, with an offset of ⅜
+/// of a count). Zero stays zero. `Offset` is a fraction (std::ratio) above zero in units of the input; the
+/// default is ⅜ of a count of 8 bits divided by 255. In place.
+template <class Offset = std::ratio<3, 8 * 255>>
+struct square_root {
+    static constexpr std::string_view name = "square_root";
+    static constexpr bool numbered = true;
+    static constexpr bool takes_counts =
+        true; ///< inputs below 0, as after subtracting a mean image, would be lost
+    static_assert(std::ratio_greater_v<Offset, std::ratio<0>>, "square_root: the offset must be above zero");
+    static constexpr double offset = static_cast<double>(Offset::num) / static_cast<double>(Offset::den);
+
+    static constexpr layer_costs costs(const shape& input) {
+        return {.output = input, .in_place = true, .keeps_output = true};
+    }
+
+    template <class T, shape Input>
+    using layer = layer_base<T, Input, square_root>;
+};
+
+/// Softmax over the channels of each pixel, for lists that end in probabilities. The networks of the paper
+/// end in logits. Training joins softmax and cross-entropy (training/loss.hpp), which is exact where
+/// probabilities are not, so a network has logits whether its list ends in softmax or not.
+struct softmax {
+    static constexpr std::string_view name = "softmax";
+    static constexpr bool numbered = false;
+
+    static constexpr layer_costs costs(const shape& input) {
+        return {.output = input, .in_place = true, .keeps_output = true};
+    }
+
+    template <class T, shape Input>
+    using layer = layer_base<T, Input, softmax>;
+};
 
 }} // namespace tactnet
