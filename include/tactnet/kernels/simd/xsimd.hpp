@@ -123,9 +123,9 @@ template <class Vector>
 
 #endif
 
-/// a / b, rounded once.
+/// a / b, rounded once. Inlined as compilers choose: forced, it would grow functions before their turn comes.
 template <class Number>
-[[nodiscard]] [[gnu::always_inline]] constexpr Number quotient(const Number& a, const Number& b) {
+[[nodiscard]] constexpr Number quotient(const Number& a, const Number& b) {
 #if !defined(TACTNET_NO_SIMD) && defined(__aarch64__)
     if constexpr (requires { detail::divide(a.data, b.data); })
         return Number(detail::divide(a.data, b.data));
