@@ -155,9 +155,10 @@ bool run(Decoder decoder, stage& to) {
 }
 
 bool run(const arguments& given) {
-    const auto model = tactnet::load_model<touch_network>(given.weights);
-    touch_reader reader(model, given.frames_of_air);
-    stage to(given, reader, model.classes);
+    const auto network = tactnet::load_deployed<touch_network>(given.weights);
+    touch_reader reader(network, given.frames_of_air);
+    const std::vector<std::string> classes(network.classes().begin(), network.classes().end());
+    stage to(given, reader, classes);
     switch (given.from) {
     case arguments::source::own:
         return run(own_device(), to);

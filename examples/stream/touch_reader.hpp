@@ -41,11 +41,11 @@ class touch_reader {
 public:
     /// The first `frames_of_air` frames teach what the array counts when nothing touches it. Without any,
     /// each frame is recognised by itself, and no tactel is looked after.
-    touch_reader(const tactnet::model<touch_network>& model, std::size_t frames_of_air)
-        : deployed_(tactnet::deploy(model)),
-          classes_(model.classes.size()),
+    touch_reader(const tactnet::deployed<touch_network>& network, std::size_t frames_of_air)
+        : deployed_(network),
+          classes_(network.class_count()),
           frames_of_air_(frames_of_air),
-          evidence_(classes_, {model.temperature}) {}
+          evidence_(classes_, {network.temperature()}) {}
 
     answer read(const tactnet::frame_view& frame) {
         answer result{.number = frame.number, .seconds = frame.seconds};
