@@ -63,8 +63,8 @@ struct fixture {
     /// A whole step of stochastic gradient descent, with rates as in the recipes.
     void train(tactnet::thread_pool& threads) {
         find_gradients(threads);
-        tactnet::take_step<value>(tactnet::sgd{.momentum = 0.8, .l2 = 1e-4}, state, 1e-3,
-                                  network.learnable_values(), parameter_gradients, decayed);
+        tactnet::optimiser_step<value>(tactnet::sgd{.momentum = 0.8, .l2 = 1e-4}, state, 1e-3,
+                                       network.learnable_values(), parameter_gradients, decayed);
     }
     void find_gradients(tactnet::thread_pool& threads) {
         network.prepare(threads, space);

@@ -4,10 +4,10 @@
 using namespace tactnet;
 
 #ifdef CASE_fused_function_of_one_width
-// expect: activation: a function that says takes_vectors takes vectors of every width, so that value is a template
+// expect: activation: a function that says works_on_vectors takes vectors of every width, so that value is a template
 struct of_widest_vectors {
     static constexpr const char *name = "own", *title = "Own", *type = "of_widest_vectors", *header = "";
-    static constexpr bool takes_vectors = true;
+    static constexpr bool works_on_vectors = true;
     using number = kernels::vector<float>;
     static number value(const number& x) { return x + x; }
     static double value(double x) { return 2 * x; }
@@ -17,9 +17,10 @@ struct of_widest_vectors {
 using net = network<shape{5, 4, 1}, conv2d<2, 3>, activation<of_widest_vectors>, dense<3>>;
 auto deployed = deploy(net{});
 // Where vectors have one width, the function is as it should be, and nothing is left to test.
-static_assert(kernels::lanes<float> > kernels::min_lanes<float>,
-              "activation: a function that says takes_vectors takes vectors of every width, so that value is "
-              "a template");
+static_assert(
+    kernels::lanes<float> > kernels::min_lanes<float>,
+    "activation: a function that says works_on_vectors takes vectors of every width, so that value is "
+    "a template");
 #endif
 
 #ifdef CASE_fused_function_that_moves_zero

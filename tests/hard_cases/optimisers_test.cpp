@@ -39,7 +39,7 @@ public:
     }
     void step(double rate, float gradient) {
         std::fill(gradients_.begin(), gradients_.end(), gradient);
-        take_step<float>(rule_, state_, rate, values_, gradients_, decayed_);
+        optimiser_step<float>(rule_, state_, rate, values_, gradients_, decayed_);
     }
     [[nodiscard]] double value() const { return static_cast<double>(values_[0]); }
     [[nodiscard]] const optimiser_state<float>& state() const { return state_; }

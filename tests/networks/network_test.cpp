@@ -161,8 +161,8 @@ TEST_CASE("network: a softmax at the end, also of a nested list, is not part of 
     static_assert(!bare::ends_in_softmax && ending::ends_in_softmax && within::ends_in_softmax);
     static_assert(!network<size, softmax, relu>::ends_in_softmax);
     static_assert(network<size, softmax>::ends_in_softmax);
-    static_assert(network<size, named<"a", sequence<square_root<>>>, dense<2>>::takes_counts);
-    static_assert(!network<size, dense<2>, square_root<>>::takes_counts);
+    static_assert(network<size, named<"a", sequence<square_root<>>>, dense<2>>::needs_counts);
+    static_assert(!network<size, dense<2>, square_root<>>::needs_counts);
     static_assert(ending::parameters == bare::parameters && ending::output_shape == bare::output_shape);
     static_assert(ending::activation_bytes == bare::activation_bytes);
 

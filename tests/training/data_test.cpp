@@ -45,11 +45,11 @@ TEST_CASE("sample_batch: lies in memory as a batch of the same size") {
     }
 }
 
-TEST_CASE("input_batch: counts as they are, less the mean of the chosen images, and scaled") {
+TEST_CASE("normalised_batch: counts as they are, less the mean of the chosen images, and scaled") {
     const std::array<std::uint8_t, 6> pixels{10, 20, 7, 255, 13, 0};
     const std::array<std::size_t, 2> chosen{0, 2};
     thread_pool alone;
-    input_batch batch(2, alone);
+    normalised_batch batch(2, alone);
     const auto fill = [&] {
         batch.fill(3, [&](std::size_t i, std::span<float> counts) {
             for (std::size_t e = 0; e < counts.size(); ++e)
@@ -72,10 +72,10 @@ TEST_CASE("input_batch: counts as they are, less the mean of the chosen images, 
     CHECK(batch.samples()(2, 1) == -20);
 }
 
-TEST_CASE("input_batch: the same on any number of threads, each image once") {
+TEST_CASE("normalised_batch: the same on any number of threads, each image once") {
     constexpr std::size_t size = 5, count = 37;
     thread_pool alone, several(3);
-    input_batch one(size, alone), many(size, several);
+    normalised_batch one(size, alone), many(size, several);
     const auto make = [](std::size_t i, std::span<float> counts) {
         for (std::size_t e = 0; e < counts.size(); ++e)
             counts[e] = static_cast<float>(i * 7 + e);

@@ -114,7 +114,7 @@ void check_steps(const optimiser& rule, double rate, double bound, Reference&& r
     for (std::size_t step = 0; step < steps; ++step) {
         for (std::size_t i = 0; i < size; ++i)
             gradients[i] = gradient_at(step, i);
-        take_step<float>(rule, state, rate, values, gradients, decayed);
+        optimiser_step<float>(rule, state, rate, values, gradients, decayed);
     }
     CHECK(state.steps == steps);
     for (std::size_t i = 0; i < size; ++i)
@@ -135,7 +135,7 @@ TEST_CASE("optimiser: numbers take their share of the rate") {
             for (std::size_t step = 0; step < steps; ++step) {
                 for (std::size_t i = 0; i < size; ++i)
                     gradients[i] = gradient_at(step, i);
-                take_step<float>(rule, state, rate, values, gradients, decayed, of_rate);
+                optimiser_step<float>(rule, state, rate, values, gradients, decayed, of_rate);
             }
             return values;
         };
@@ -181,31 +181,31 @@ TEST_CASE("adamw: both moments unbiased, decay decoupled and on weights only") {
     });
 }
 
-TEST_CASE("take_step: a gradient of zero moves nothing that is not decayed") {
+TEST_CASE("optimiser_step: a gradient of zero moves nothing that is not decayed") {
     for (const optimiser& rule : {optimiser(sgd{.momentum = 0.9, .l2 = 0.1}), optimiser(adamw{})}) {
         optimiser_state<float> state;
         state.resize(kernels::lanes<float>);
         aligned_vector<float> values(kernels::lanes<float>, 2.0f), gradients(kernels::lanes<float>),
             decayed(kernels::lanes<float>);
-        take_step<float>(rule, state, 0.1, values, gradients, decayed);
+        optimiser_step<float>(rule, state, 0.1, values, gradients, decayed);
         CHECK(values[0] == 2);
         decayed.assign(decayed.size(), 1);
-        take_step<float>(rule, state, 0.1, values, gradients, decayed);
+        optimiser_step<float>(rule, state, 0.1, values, gradients, decayed);
         CHECK(values[0] < 2);
     }
 }
 
 // Without gradients the moments fade, and denormal numbers cost time.
 TEST_CASE(
-    "take_step: what an optimiser remembers fades to zero, or to a divisor that is no denormal number") {
+    "optimiser_step: what an optimiser remembers fades to zero, or to a divisor that is no denormal number") {
     for (const optimiser& rule : {optimiser(sgd{.momentum = 0.9}), optimiser(adamw{.decay = 0})}) {
         optimiser_state<float> state;
         state.resize(kernels::lanes<float>);
         aligned_vector<float> values(kernels::lanes<float>, 2.0f), gradients(kernels::lanes<float>, 1.0f),
             none(kernels::lanes<float>);
-        take_step<float>(rule, state, 0.1, values, gradients, none);
+        optimiser_step<float>(rule, state, 0.1, values, gradients, none);
         for (int step = 0; step < 12'000; ++step)
-            take_step<float>(rule, state, 0.1, values, none, none);
+            optimiser_step<float>(rule, state, 0.1, values, none, none);
         CHECK(state.first[0] == 0);
         CHECK(state.second[0] == (rule.index() == 0 ? 0 : 0x1p-116f));
     }
@@ -213,10 +213,10 @@ TEST_CASE(
     optimiser_state<float> state;
     state.resize(kernels::lanes<float>);
     aligned_vector<float> values(kernels::lanes<float>), none(kernels::lanes<float>);
-    take_step<float>(adamw{}, state, 0.1, values, none, none);
+    optimiser_step<float>(adamw{}, state, 0.1, values, none, none);
     CHECK(state.second[0] == 0);
     none[0] = std::nanf("");
-    take_step<float>(adamw{}, state, 0.1, values, none, values);
+    optimiser_step<float>(adamw{}, state, 0.1, values, none, values);
     CHECK(std::isnan(state.first[0]));
     CHECK(std::isnan(state.second[0]));
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <tactnet/runtime/saved_state.hpp>
 #include <tactnet/kernels/rows/weighted_rows.hpp>
+#include <tactnet/runtime/saved_state.hpp>
 
 #include <algorithm>
 #include <array>
@@ -49,12 +49,12 @@ struct discriminant {
         detail::state_reader ahead = from;
         bool finite = true;
         visit(*this, [&](float number) {
-            ahead.take(number);
+            ahead.read(number);
             finite &= std::isfinite(number);
         });
         if (!finite)
             return restore_status::damaged;
-        visit(*this, [&](float& number) { from.take(number); });
+        visit(*this, [&](float& number) { from.read(number); });
         return restore_status::ok;
     }
 
@@ -177,20 +177,20 @@ public:
         std::uint32_t count = 0;
         double number = 0;
         for (std::size_t c = 0; c < MostClasses; ++c)
-            ahead.take(count);
+            ahead.read(count);
         bool possible = true;
         for (std::size_t row = 0; row <= Dimensions; ++row) { // the last one holds the sums of squares
             touches = from;
             for (std::size_t c = 0; c < MostClasses; ++c) {
-                ahead.take(number);
-                touches.take(count);
+                ahead.read(number);
+                touches.read(count);
                 possible &=
                     row < Dimensions ? is_possible_mean(number, count) : are_possible_squares(number, count);
             }
         }
         if (!possible)
             return restore_status::damaged;
-        visit(*this, [&](auto& each) { from.take(each); });
+        visit(*this, [&](auto& each) { from.read(each); });
         set_average_spread();
         return restore_status::ok;
     }

@@ -119,11 +119,11 @@ public:
     [[nodiscard]] bool restore(state_reader& from, std::uint64_t frames) noexcept {
         std::uint8_t overflowed = 0, kind = 0;
         std::uint32_t count = 0;
-        from.take(overflowed), from.take(count);
+        from.read(overflowed), from.read(count);
         if (overflowed > 1 || count > most || (overflowed == 1 && count < most))
             return false;
         for (tactel_fault fault; count_ < count;) {
-            from.take(fault.row), from.take(fault.column), from.take(kind), from.take(fault.since);
+            from.read(fault.row), from.read(fault.column), from.read(kind), from.read(fault.since);
             if (fault.row >= Array.rows || fault.column >= Array.columns || kind > 1 ||
                 fault.since > frames || contains(place_of(fault)))
                 return false;

@@ -2,8 +2,8 @@
 
 #include <tactnet/decision/fault_list.hpp>
 #include <tactnet/decision/padded_frame.hpp>
-#include <tactnet/runtime/saved_state.hpp>
 #include <tactnet/kernels/frame/tactels.hpp>
+#include <tactnet/runtime/saved_state.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>
@@ -134,10 +134,10 @@ public:
             opened != restore_status::ok)
             return opened;
         sensor_health found(settings_);
-        from.take(found.learnt_), from.take(found.frames_), from.take(found.offset_);
+        from.read(found.learnt_), from.read(found.frames_), from.read(found.offset_);
         bool possible = found.learnt_ <= most_learnt;
         for (std::uint16_t& level : found.level_) {
-            from.take(level);
+            from.read(level);
             possible &= level <= 255 * 256;
         }
         if (!possible || !found.faults_.restore(from, found.frames_))

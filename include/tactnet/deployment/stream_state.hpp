@@ -86,12 +86,12 @@ template <class State>
     detail::state_reader ahead = reader;
     bool possible = true;
     detail::visit_stream_state(state, [&](auto number, double most) {
-        ahead.take(number);
+        ahead.read(number);
         possible &= std::abs(static_cast<double>(number)) <= most; // false for NaN
     });
     if (!possible)
         return restore_status::damaged;
-    detail::visit_stream_state(state, [&](auto& number, double) { reader.take(number); });
+    detail::visit_stream_state(state, [&](auto& number, double) { reader.read(number); });
     return restore_status::ok;
 }
 

@@ -31,11 +31,11 @@ public:
             if (waiting > 0) {
                 const std::size_t missing = stripe - waiting;
                 std::copy_n(from, missing, rest_.data() + waiting);
-                take(rest_.data(), stripe);
+                consume(rest_.data(), stripe);
                 from += missing, left -= missing, waiting = 0;
             }
             const std::size_t whole = left / stripe * stripe;
-            take(from, whole);
+            consume(from, whole);
             from += whole, left -= whole;
         }
         std::copy_n(from, left, rest_.data() + waiting);
@@ -93,7 +93,7 @@ private:
             return value;
         }
     }
-    void take(const std::byte* at, std::size_t size) noexcept {
+    void consume(const std::byte* at, std::size_t size) noexcept {
         auto [a, b, c, d] = lanes_; // in registers
         for (const std::byte* const end = at + size; at != end; at += stripe) {
             a = round(a, number<std::uint64_t>(at));

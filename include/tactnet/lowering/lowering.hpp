@@ -105,7 +105,7 @@ using channel_constants = typename lowering<Spec>::template channels<Place>;
 template <class Spec, class Place>
 concept scales_channels = requires { sizeof(channel_constants<Spec, Place>); };
 template <class Spec, class Place>
-concept takes_maximum = requires {
+concept pools_maximum = requires {
     { lowering<Spec>::template maximum<Place> } -> std::convertible_to<sliding_window>;
 };
 

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/operators/activations/layer.hpp>
 #include <tactnet/operators/sequence/layer.hpp>
 #include <tactnet/operators/sequence/named.hpp>
-#include <tactnet/operators/activations/layer.hpp>
 #include <tactnet/tensor/batch.hpp>
 
 #include <algorithm>
@@ -47,13 +47,13 @@ struct split_softmax<sequence<Kept...>, sequence<Inner...>> {
     static constexpr bool found = inner::found;
 };
 
-/// Whether the first layer of a list has `takes_counts`.
+/// Whether the first layer of a list has `needs_counts`.
 template <class... Specs>
 inline constexpr bool begins_with_counts = false;
 template <class First, class... Rest>
 inline constexpr bool begins_with_counts<First, Rest...> = [] {
-    if constexpr (requires { First::takes_counts; })
-        return First::takes_counts;
+    if constexpr (requires { First::needs_counts; })
+        return First::needs_counts;
     else
         return false;
 }();
@@ -90,7 +90,7 @@ public:
     static constexpr bool ends_in_softmax = split::found;
     static constexpr std::size_t outputs = output_shape.size();
     /// Whether the first layer needs counts, scaled or not, without a mean subtracted.
-    static constexpr bool takes_counts = detail::begins_with_counts<without_name<Specs>...>;
+    static constexpr bool needs_counts = detail::begins_with_counts<without_name<Specs>...>;
     /// Learnable parameters: weights, biases, scales and shifts.
     static constexpr std::size_t parameters = layers::parameters;
     /// Running means and variances of batch norms.

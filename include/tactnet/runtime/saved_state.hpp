@@ -100,18 +100,18 @@ public:
             return restore_status::other_size;
         bytes_ = bytes;
         state_header found{};
-        visit_header(found, [&](auto& number) { this->take(number); });
+        visit_header(found, [&](auto& number) { this->read(number); });
         if (found != expected)
             return restore_status::other_state;
         std::uint64_t checksum = 0;
         at_ = bytes.size() - state_checksum_bytes;
         const std::uint64_t right = xxh64().update(bytes.first(at_)).digest();
-        take(checksum);
+        read(checksum);
         at_ = state_header_bytes;
         return checksum == right ? restore_status::ok : restore_status::damaged;
     }
     template <class Number>
-    void take(Number& number) noexcept {
+    void read(Number& number) noexcept {
         std::uint64_t bits = 0;
         for (std::size_t i = 0; i < sizeof(Number); ++i)
             bits |= std::to_integer<std::uint64_t>(bytes_[at_++]) << 8 * i;

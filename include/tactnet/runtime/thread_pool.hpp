@@ -93,7 +93,7 @@ private:
         }
         wait_until_busy_are(1);
         const std::exception_ptr problem =
-            failed_.load(std::memory_order_relaxed) ? take_first_problem() : nullptr;
+            failed_.load(std::memory_order_relaxed) ? first_problem() : nullptr;
         busy_.store(0, std::memory_order_release); // from here on the pool may be destroyed
         if (problem)
             std::rethrow_exception(problem);
@@ -121,12 +121,12 @@ private:
         problems_[index] = std::current_exception();
         failed_.store(true, std::memory_order_relaxed);
     }
-    std::exception_ptr take_first_problem() {
+    std::exception_ptr first_problem() {
         failed_.store(false, std::memory_order_relaxed);
         std::exception_ptr first;
         for (std::exception_ptr& problem : problems_)
-            if (std::exception_ptr taken = std::exchange(problem, nullptr); !first)
-                first = std::move(taken);
+            if (std::exception_ptr found = std::exchange(problem, nullptr); !first)
+                first = std::move(found);
         return first;
     }
     void work(std::size_t index) noexcept {

@@ -60,12 +60,12 @@ public:
         if (known_)
             return decode(bytes, sink);
         const std::size_t room = largest_header_bytes - std::min(begun_.size(), largest_header_bytes);
-        const std::size_t taken = std::min(room, bytes.size());
-        begun_.insert(begun_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(taken));
+        const std::size_t consumed = std::min(room, bytes.size());
+        begun_.insert(begun_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(consumed));
         if (!recognise() && begun_.size() < largest_header_bytes)
             return decode_status::reading;
         const decode_status status = start(sink);
-        return status == decode_status::damaged ? status : decode(bytes.subspan(taken), sink);
+        return status == decode_status::damaged ? status : decode(bytes.subspan(consumed), sink);
     }
 
     template <class Sink>

@@ -60,10 +60,11 @@ public:
         while (!bytes.empty()) {
             const std::size_t wanted =
                 packet_.size() < format_.marker.size() ? 1 : packet_size() - packet_.size();
-            const std::size_t taken = std::min(wanted, bytes.size());
-            packet_.insert(packet_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(taken));
-            bytes = bytes.subspan(taken);
-            byte_ += taken;
+            const std::size_t consumed = std::min(wanted, bytes.size());
+            packet_.insert(packet_.end(), bytes.begin(),
+                           bytes.begin() + static_cast<std::ptrdiff_t>(consumed));
+            bytes = bytes.subspan(consumed);
+            byte_ += consumed;
             if (packet_.size() <= format_.marker.size())
                 find_marker();
             if (packet_.size() == packet_size())

@@ -63,7 +63,7 @@ public:
         detail::check_batches(*network_, shown_);
         network_->epsilon() = how.epsilon;
         if (samples_.are_images()) {
-            if (how.input != input_rule::scale && network_->takes_counts())
+            if (how.input != input_rule::scale && network_->needs_counts())
                 detail::throw_invalid_argument(
                     {"trainer: expected input_rule::scale for a network that takes counts, found "
                      "input_rule::",
@@ -102,7 +102,7 @@ public:
                     std::optional<double> momentum = std::nullopt) {
         check_not_begun();
         for (trainable* const each : {network_.get(), averaged_.get(), best_.get()}) {
-            each->take(values, statistics);
+            each->copy_from(values, statistics);
             each->momentum() = momentum.value_or(each->momentum());
         }
     }
@@ -130,11 +130,11 @@ public:
     /// square of a gradient is not finite. `latest` and `best` are then as before the epoch, and the training
     /// cannot continue.
     const epoch_report& run_epoch() {
-        kept_->take(candidate());
+        kept_->copy_from(candidate());
         try {
             progress_.history.push_back(trained_epoch());
         } catch (const training_diverged&) {
-            candidate().take(*kept_);
+            candidate().copy_from(*kept_);
             throw;
         }
         return history().back();
@@ -194,7 +194,7 @@ private:
                 static_cast<double>(epoch) + static_cast<double>(step) / static_cast<double>(shown_.steps());
             report.rate = rate_at(how_.schedule, how_.rate, when, static_cast<double>(how_.epochs));
             const std::span<const std::size_t> places = shown_.batch(step, order);
-            const double loss = take(places, epoch, report.rate);
+            const double loss = train_batch(places, epoch, report.rate);
             detail::check_loss(loss, report, "step " + std::to_string(step + 1));
             report.loss += loss * static_cast<double>(places.size()) / static_cast<double>(order.size());
         }
@@ -210,15 +210,15 @@ private:
         return report;
     }
 
-    /// Takes one step; returns the mean loss of its batch before the step.
-    double take(std::span<const std::size_t> places, std::size_t epoch, double rate) {
+    /// One step of gradient descent. Returns the mean loss of its batch before the step.
+    double train_batch(std::span<const std::size_t> places, std::size_t epoch, double rate) {
         step_.in().fill(places.size(), [&](std::size_t i, std::span<float> sample) {
             shown_.make(places[i], epoch, sample);
         });
         std::vector<std::size_t> labels(places.size());
         std::transform(places.begin(), places.end(), labels.begin(),
                        [&](std::size_t place) { return shown_.label(place); });
-        const double loss = step_.take(labels, rate);
+        const double loss = step_.run(labels, rate);
         if (how_.averaging > 0)
             average();
         return loss;
@@ -238,7 +238,7 @@ private:
         report.validation_loss = result.loss;
         report.validation_accuracy = result.confusion.accuracy();
         if (progress_.validated(result.loss))
-            best_->take(candidate());
+            best_->copy_from(candidate());
         progress_.stopped = stopping_.check(result.loss);
     }
 

@@ -92,8 +92,9 @@ template <class T>
 /// weight decay applies, else zero. `rate` is the learning rate of this step; `shares`, unless empty, scale
 /// it for each parameter: 0 leaves a parameter unchanged.
 template <class T>
-void take_step(const sgd& rule, optimiser_state<T>& state, double rate, std::span<T> values,
-               std::span<const T> gradients, std::span<const T> decayed, std::span<const T> shares = {}) {
+void optimiser_step(const sgd& rule, optimiser_state<T>& state, double rate, std::span<T> values,
+                    std::span<const T> gradients, std::span<const T> decayed,
+                    std::span<const T> shares = {}) {
     ++state.steps;
     const kernels::vector<T> momentum(static_cast<T>(rule.momentum)), l2(static_cast<T>(rule.l2)),
         r(static_cast<T>(rate));
@@ -110,8 +111,9 @@ void take_step(const sgd& rule, optimiser_state<T>& state, double rate, std::spa
 
 /// One step of AdamW.
 template <class T>
-void take_step(const adamw& rule, optimiser_state<T>& state, double rate, std::span<T> values,
-               std::span<const T> gradients, std::span<const T> decayed, std::span<const T> shares = {}) {
+void optimiser_step(const adamw& rule, optimiser_state<T>& state, double rate, std::span<T> values,
+                    std::span<const T> gradients, std::span<const T> decayed,
+                    std::span<const T> shares = {}) {
     ++state.steps;
     const auto steps = static_cast<double>(state.steps);
     const double correction1 = 1 - std::pow(rule.beta1, steps), correction2 = 1 - std::pow(rule.beta2, steps);
@@ -139,10 +141,11 @@ void take_step(const adamw& rule, optimiser_state<T>& state, double rate, std::s
 
 /// One step of the chosen rule.
 template <class T>
-void take_step(const optimiser& rule, optimiser_state<T>& state, double rate, std::span<T> values,
-               std::span<const T> gradients, std::span<const T> decayed, std::span<const T> shares = {}) {
+void optimiser_step(const optimiser& rule, optimiser_state<T>& state, double rate, std::span<T> values,
+                    std::span<const T> gradients, std::span<const T> decayed,
+                    std::span<const T> shares = {}) {
     std::visit(
-        [&](const auto& chosen) { take_step(chosen, state, rate, values, gradients, decayed, shares); },
+        [&](const auto& chosen) { optimiser_step(chosen, state, rate, values, gradients, decayed, shares); },
         rule);
 }
 

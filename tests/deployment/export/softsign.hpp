@@ -14,7 +14,7 @@ struct softsign_function {
     static constexpr const char *name = "softsign", *title = "Softsign", *type = "own::softsign_function",
                                 *header = "deployment/export/softsign.hpp";
     static constexpr std::array arguments{Hundredths};
-    static constexpr bool takes_vectors = true;
+    static constexpr bool works_on_vectors = true;
     static constexpr double largest_value = 1;
 
     template <class Number>

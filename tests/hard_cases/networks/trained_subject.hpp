@@ -155,8 +155,8 @@ private:
             std::fill(gradients.begin(), gradients.end(), 0.0f);
             net.backward(in.as_const(), out.as_const(), out_gradient.as_const(), {nullptr, at_once},
                          gradients, threads, space, seed, step);
-            tactnet::take_step<float>(rule, state, 0.01 * (1 - static_cast<double>(step) / steps), values,
-                                      gradients, decayed);
+            tactnet::optimiser_step<float>(rule, state, 0.01 * (1 - static_cast<double>(step) / steps),
+                                           values, gradients, decayed);
         }
         // What hard frames meet is a network that has learnt something.
         INFO("loss ", first_loss, " before the training, ", last_loss, " after it");

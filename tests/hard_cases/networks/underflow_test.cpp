@@ -132,18 +132,19 @@ TEST_CASE("adamw: gradients near the smallest normal number, and moments that fa
     optimiser_state<float> state;
     state.resize(size);
     aligned_vector<float> values(size, 1.0f), gradients(size, 1e-38f), decayed(size);
-    take_step<float>(adamw{.decay = 0}, state, 0.01, values, gradients, decayed);
+    optimiser_step<float>(adamw{.decay = 0}, state, 0.01, values, gradients, decayed);
     // The step is rate · g ÷ (|g| + 1e-8): 1e-32, far below half a unit of the value.
     hold("AdamW, gradients of 1e-38", unit::ulp, {1 - 1e-32, static_cast<double>(values[0]), 0.5});
     const auto time_of_step = [&] {
-        return fastest([&] { take_step<float>(adamw{.decay = 0}, state, 0.01, values, gradients, decayed); });
+        return fastest(
+            [&] { optimiser_step<float>(adamw{.decay = 0}, state, 0.01, values, gradients, decayed); });
     };
     std::fill(gradients.begin(), gradients.end(), 1e-3f);
     const double usual = time_of_step();
     // Without gradients the moments fade: the first in 900 steps, the second in 9000.
     std::fill(gradients.begin(), gradients.end(), 0.0f);
     for (int step = 0; step < 12'000; ++step)
-        take_step<float>(adamw{.decay = 0}, state, 0.01, values, gradients, decayed);
+        optimiser_step<float>(adamw{.decay = 0}, state, 0.01, values, gradients, decayed);
     // Times of a machine that does other things too: 3 times as long is no more than that, denormals cost 10
     // to 100.
     CHECK(time_of_step() / usual <= 3);

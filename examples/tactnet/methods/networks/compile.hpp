@@ -45,7 +45,7 @@ compiled_network compile_network() {
         .outputs = Network::outputs,
         .costs = costs_of<Network>(),
         .costs_of_one = costs_of<OneClass>(),
-        .takes_counts = Network::takes_counts,
+        .needs_counts = Network::needs_counts,
         .type = type_as_spelled<Network>(),
         .make = []() -> std::unique_ptr<tactnet::trainable> {
             return std::make_unique<tactnet::trainable_network<Network>>();

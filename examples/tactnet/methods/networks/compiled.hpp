@@ -38,7 +38,7 @@ struct compiled_network {
     tactnet::shape input;
     std::size_t outputs;
     method_costs costs, costs_of_one; ///< with all outputs, and with one alone
-    bool takes_counts;                ///< see tactnet::basic_network
+    bool needs_counts;                ///< see tactnet::basic_network
     std::string_view type;            ///< as the compiler spells it: everything that decides what it computes
     std::unique_ptr<tactnet::trainable> (*make)();
     std::vector<tactnet::parameter> (*describe)();

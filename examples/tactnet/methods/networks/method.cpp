@@ -198,7 +198,7 @@ public:
         if (pretrained() && published)
             return tactnet::recipe::fine_tuning(*published);
         tactnet::recipe r = method::default_recipe();
-        if (code_.takes_counts)
+        if (code_.needs_counts)
             r.input = tactnet::input_rule::scale;
         return r;
     }

@@ -24,7 +24,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 inline bool natural_less(std::string_view a, std::string_view b) noexcept {
     const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
     // Takes a number off the front, without its leading zeros: of any length, so it stays text.
-    const auto take_number = [&](std::string_view& text) {
+    const auto leading_number = [&](std::string_view& text) {
         std::size_t end = 0;
         while (end < text.size() && is_digit(text[end]))
             ++end;
@@ -36,7 +36,7 @@ inline bool natural_less(std::string_view a, std::string_view b) noexcept {
     std::string_view rest_a = a, rest_b = b;
     while (!rest_a.empty() && !rest_b.empty()) {
         if (is_digit(rest_a.front()) && is_digit(rest_b.front())) {
-            const std::string_view number_a = take_number(rest_a), number_b = take_number(rest_b);
+            const std::string_view number_a = leading_number(rest_a), number_b = leading_number(rest_b);
             if (number_a.size() != number_b.size())
                 return number_a.size() < number_b.size();
             if (const int order = number_a.compare(number_b); order != 0)

@@ -24,7 +24,7 @@ namespace detail {
 /// The largest values so far and their places, lane by lane; the first of equal values.
 class lane_maximum {
 public:
-    void take(const vector<double>& values) {
+    void offer(const vector<double>& values) {
         const mask<double> larger = values > values_;
         values_ = choose<double>(larger, values, values_);
         places_ = choose<double>(larger, place_, places_);
@@ -55,7 +55,7 @@ private:
 [[nodiscard]] inline selected_sample steepest(const double* gradient, const double* up, std::size_t count) {
     detail::lane_maximum best;
     for (std::size_t i = 0; i < count; i += lanes<double>)
-        best.take(load(gradient + i) + load(up + i));
+        best.offer(load(gradient + i) + load(up + i));
     return best.best();
 }
 
@@ -68,7 +68,7 @@ private:
     for (std::size_t i = 0; i < count; i += lanes<double>) {
         const vector<double> g = multiply_add(s, widen(rising + i) - widen(falling + i), load(gradient + i));
         store(gradient + i, g);
-        best.take(g + load(up + i));
+        best.offer(g + load(up + i));
     }
     return best.best();
 }
@@ -94,7 +94,7 @@ struct selected_partner {
         const v g = load(gradient + i) + load(low + i), b = top - g;
         const v curvature = multiply_add(minus_two, widen(row + i), k + load(diagonal + i));
         const v a = choose<double>(curvature > least, curvature, least);
-        best.take(choose<double>(b > zero, b * b / a, none));
+        best.offer(choose<double>(b > zero, b * b / a, none));
         lowest = choose<double>(g < lowest, g, lowest);
     }
     alignas(vector_alignment) std::array<double, lanes<double>> flat;

@@ -52,7 +52,7 @@ struct activation_step<eight_bit, Function, Map, Stride> : step_base<eight_bit, 
     }
     /// For calibration.
     static void reference(const float*, const float* in, float* out) {
-        using number = std::conditional_t<detail::takes_vectors<Function>, double, float>;
+        using number = std::conditional_t<detail::works_on_vectors<Function>, double, float>;
         for (std::size_t e = 0; e < Map.size(); ++e)
             out[e] = static_cast<float>(Function::value(static_cast<number>(in[e])));
     }

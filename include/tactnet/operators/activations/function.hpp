@@ -41,7 +41,7 @@
 //   is_relu             true for max(x, 0) alone: in 8 bits a clamp of bytes; the layer before fuses it
 //   moves_zero          true unless value(0) is 0
 //   largest_value       a bound of |value(x)|, for the limit on inputs of networks that multiply by it
-//   takes_vectors       true if the functions take vectors of floats of any width in place of float
+//   works_on_vectors       true if the functions take vectors of floats of any width in place of float
 //                       (kernels/simd/float_lanes.hpp, special_functions.hpp): convolutions then fuse it.
 //                       If a program links translation units built for different instruction sets, declare
 //                       the function in an inline namespace TACTNET_ARCH, as the library does
@@ -54,10 +54,10 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 namespace detail {
 
 template <class Function>
-concept takes_vectors = requires { requires Function::takes_vectors; };
+concept works_on_vectors = requires { requires Function::works_on_vectors; };
 /// What the functions take in single precision.
 template <class Function>
-using activation_number = std::conditional_t<takes_vectors<Function>, kernels::vector<float>, float>;
+using activation_number = std::conditional_t<works_on_vectors<Function>, kernels::vector<float>, float>;
 template <class Function>
 concept needs_input = requires(activation_number<Function> x) {
     { Function::backward_from_input(x, x) } -> std::same_as<activation_number<Function>>;
@@ -136,7 +136,7 @@ template <class Function>
 /// out[i] = operation(in[i]…) for whole vectors, in vectors if the function takes these.
 template <class Function, class T>
 void transform(auto&& operation, std::size_t count, T* out, const std::same_as<T> auto*... in) {
-    if constexpr (takes_vectors<Function> && std::same_as<T, float>)
+    if constexpr (works_on_vectors<Function> && std::same_as<T, float>)
         kernels::transform_vectors(operation, count, out, in...);
     else
         for (std::size_t i = 0; i < count; ++i)
@@ -146,12 +146,13 @@ void transform(auto&& operation, std::size_t count, T* out, const std::same_as<T
 template <class Function>
 [[nodiscard]] constexpr kernels::fused_activation describe_fused() {
     kernels::fused_activation fused;
-    if constexpr (takes_vectors<Function>) {
+    if constexpr (works_on_vectors<Function>) {
         constexpr bool every_width =
             requires(kernels::sized_vector<float, kernels::min_lanes<float>> x) { Function::value(x); };
-        static_assert(every_width,
-                      "activation: a function that says takes_vectors takes vectors of every width, so that "
-                      "value is a template");
+        static_assert(
+            every_width,
+            "activation: a function that says works_on_vectors takes vectors of every width, so that "
+            "value is a template");
         if constexpr (every_width) // otherwise more errors follow the assertion
             fused = kernels::fused_activation::with_functions_of<Function>();
     }
@@ -174,7 +175,7 @@ inline constexpr kernels::fused_activation fused_object = describe_fused<Functio
 
 /// A function whose computation a convolution may do in its epilogue: a ReLU, or one that takes vectors.
 template <class Function>
-concept fusible_activation = detail::is_relu<Function>() || detail::takes_vectors<Function>;
+concept fusible_activation = detail::is_relu<Function>() || detail::works_on_vectors<Function>;
 
 /// An activation function as the epilogue of a convolution.
 template <class Function>

@@ -61,7 +61,7 @@ template <class Offset = std::ratio<3, 8 * 255>>
 struct square_root {
     static constexpr std::string_view name = "square_root";
     static constexpr bool numbered = true;
-    static constexpr bool takes_counts =
+    static constexpr bool needs_counts =
         true; ///< inputs below 0, as after subtracting a mean image, would be lost
     static_assert(std::ratio_greater_v<Offset, std::ratio<0>>, "square_root: the offset must be above zero");
     static constexpr double offset = static_cast<double>(Offset::num) / static_cast<double>(Offset::den);

@@ -22,7 +22,7 @@ struct leaky_relu_function {
                                 *type = "tactnet::leaky_relu_function",
                                 *header = "tactnet/operators/activations/piecewise.hpp";
     static constexpr std::array arguments{Thousandths};
-    static constexpr bool takes_vectors = true, in_registers = true, monotonic = true;
+    static constexpr bool works_on_vectors = true, in_registers = true, monotonic = true;
 
     template <class Number>
     static constexpr Number slope() {
@@ -46,7 +46,7 @@ struct leaky_relu_function {
 struct relu6_function {
     static constexpr const char *name = "relu6", *title = "ReLU6", *type = "tactnet::relu6_function",
                                 *header = "tactnet/operators/activations/piecewise.hpp";
-    static constexpr bool takes_vectors = true, in_registers = true, monotonic = true;
+    static constexpr bool works_on_vectors = true, in_registers = true, monotonic = true;
 
     template <class Number>
     static constexpr Number value(const Number& x) {
@@ -81,7 +81,7 @@ struct hard_sigmoid_function {
     static constexpr const char *name = "hard_sigmoid", *title = "Hard sigmoid",
                                 *type = "tactnet::hard_sigmoid_function",
                                 *header = "tactnet/operators/activations/piecewise.hpp";
-    static constexpr bool takes_vectors = true, in_registers = true, moves_zero = true, monotonic = true;
+    static constexpr bool works_on_vectors = true, in_registers = true, moves_zero = true, monotonic = true;
     static constexpr double largest_value = 1;
 
     template <class Number>
@@ -102,7 +102,7 @@ struct hard_swish_function {
     static constexpr const char *name = "hard_swish", *title = "Hard swish",
                                 *type = "tactnet::hard_swish_function",
                                 *header = "tactnet/operators/activations/piecewise.hpp";
-    static constexpr bool takes_vectors = true, in_registers = true;
+    static constexpr bool works_on_vectors = true, in_registers = true;
 
     template <class Number>
     static constexpr Number value(const Number& x) {

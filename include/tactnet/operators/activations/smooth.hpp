@@ -15,7 +15,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 struct sigmoid_function {
     static constexpr const char *name = "sigmoid", *title = "Sigmoid", *type = "tactnet::sigmoid_function",
                                 *header = "tactnet/operators/activations/smooth.hpp";
-    static constexpr bool takes_vectors = true, moves_zero = true;
+    static constexpr bool works_on_vectors = true, moves_zero = true;
     static constexpr double largest_value = 1;
 
     template <class Number>
@@ -33,7 +33,7 @@ struct sigmoid_function {
 struct silu_function {
     static constexpr const char *name = "silu", *title = "SiLU", *type = "tactnet::silu_function",
                                 *header = "tactnet/operators/activations/smooth.hpp";
-    static constexpr bool takes_vectors = true;
+    static constexpr bool works_on_vectors = true;
 
     template <class Number>
     static constexpr Number value(const Number& x) {
@@ -52,7 +52,7 @@ struct hyperbolic_tangent_function {
     static constexpr const char *name = "tanh", *title = "Hyperbolic tangent",
                                 *type = "tactnet::hyperbolic_tangent_function",
                                 *header = "tactnet/operators/activations/smooth.hpp";
-    static constexpr bool takes_vectors = true;
+    static constexpr bool works_on_vectors = true;
     static constexpr double largest_value = 1;
 
     template <class Number>
@@ -74,7 +74,7 @@ struct elu_function {
     static constexpr const char *name = "elu", *title = "ELU", *type = "tactnet::elu_function",
                                 *header = "tactnet/operators/activations/smooth.hpp";
     static constexpr std::array arguments{Thousandths};
-    static constexpr bool takes_vectors = true;
+    static constexpr bool works_on_vectors = true;
 
     template <class Number>
     static constexpr Number alpha() {
@@ -99,7 +99,7 @@ struct elu_function {
 struct softplus_function {
     static constexpr const char *name = "softplus", *title = "Softplus", *type = "tactnet::softplus_function",
                                 *header = "tactnet/operators/activations/smooth.hpp";
-    static constexpr bool takes_vectors = true, moves_zero = true;
+    static constexpr bool works_on_vectors = true, moves_zero = true;
 
     /// max(x, 0) + log(1 + e to the power of −|x|), which does not overflow.
     template <class Number>
@@ -120,7 +120,7 @@ struct softplus_function {
 struct gelu_function {
     static constexpr const char *name = "gelu", *title = "GELU", *type = "tactnet::gelu_function",
                                 *header = "tactnet/operators/activations/smooth.hpp";
-    static constexpr bool takes_vectors = true;
+    static constexpr bool works_on_vectors = true;
 
     /// max(x, 0) − |x| · Φ(−|x|). Φ(−40) is 0 in either precision, and infinity times 0 would be NaN.
     template <class Number>

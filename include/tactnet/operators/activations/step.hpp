@@ -32,7 +32,7 @@ struct activation_step<single_precision, Function, Map, Stride> : step_base<sing
         return detail::activation_bound<Function>(input);
     }
     static void run(const float*, const float* in, float* out, float*) noexcept {
-        if constexpr (detail::takes_vectors<Function>)
+        if constexpr (detail::works_on_vectors<Function>)
             kernels::transform_map<Map.area() * Stride>([](auto x) { return Function::value(x); }, in, out);
         else
             for (std::size_t e = 0; e < Map.area() * Stride; ++e)

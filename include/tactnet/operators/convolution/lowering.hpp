@@ -37,7 +37,7 @@ struct convolution_epilogue {
         return more;
     }
     /// Whether a max pool may follow: computed before the function, it must give the same.
-    [[nodiscard]] constexpr bool takes_pool() const {
+    [[nodiscard]] constexpr bool allows_pool() const {
         return !pooled() && (!activation->exists || activation->monotonic);
     }
     [[nodiscard]] constexpr convolution_epilogue in_slice(std::size_t stride, std::size_t offset) const {
@@ -83,9 +83,9 @@ struct lowered_convolution {
                     lowered_convolution<Place, channel_constants<Spec, NextPlace>, Epilogue>>{};
             else
                 return not_fused{};
-        } else if constexpr (takes_maximum<Spec, NextPlace>) {
+        } else if constexpr (pools_maximum<Spec, NextPlace>) {
             constexpr sliding_window pool = lowering<Spec>::template maximum<NextPlace>;
-            if constexpr (Epilogue.takes_pool() && fusible(pool))
+            if constexpr (Epilogue.allows_pool() && fusible(pool))
                 return std::type_identity<lowered_convolution<Place, Norm, Epilogue.with_pool(pool)>>{};
             else
                 return not_fused{};

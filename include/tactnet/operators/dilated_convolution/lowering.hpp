@@ -50,7 +50,7 @@ struct lowered_dilated_convolution {
 
     template <class Spec, class NextPlace>
     static constexpr auto fuse() {
-        if constexpr (!takes_maximum<Spec, NextPlace> && fuses<Convolution, Spec, NextPlace>)
+        if constexpr (!pools_maximum<Spec, NextPlace> && fuses<Convolution, Spec, NextPlace>)
             return std::type_identity<lowered_dilated_convolution<
                 Place, typename decltype(Convolution::template fuse<Spec, NextPlace>())::type>>{};
         else

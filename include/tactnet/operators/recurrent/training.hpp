@@ -44,7 +44,8 @@ struct trained_layer<recurrent<Cell, Hidden>, T, Input> : trained_base<recurrent
             std::fill_n(state, state_size, T{});
             for (std::size_t frame = 0; frame < frames; ++frame) {
                 detail::read_frame<Input>(in.lane_block(b), frame, x);
-                take_step(values, x, m.sums.data() + b * 2 * gate_size, state, m.kept.data() + b * kept_size);
+                update_state(values, x, m.sums.data() + b * 2 * gate_size, state,
+                             m.kept.data() + b * kept_size);
                 detail::write_frame<output>(state, frame, out.lane_block(b));
             }
         });
@@ -62,8 +63,8 @@ struct trained_layer<recurrent<Cell, Hidden>, T, Input> : trained_base<recurrent
                 T* const x = m.inputs.data() + (b * frames + frame) * input_size;
                 detail::read_frame<Input>(in.lane_block(b), frame, x);
                 std::copy_n(state, state_size, state + state_size);
-                take_step(values, x, m.sums.data() + b * 2 * gate_size, state + state_size,
-                          m.kept.data() + (b * frames + frame) * kept_size);
+                update_state(values, x, m.sums.data() + b * 2 * gate_size, state + state_size,
+                             m.kept.data() + (b * frames + frame) * kept_size);
                 detail::write_frame<output>(state + state_size, frame, out.lane_block(b));
             }
         });
@@ -98,7 +99,7 @@ private:
                                  state_size = Cell::states * units, kept_size = Cell::kept_count * units;
 
     /// Updates the state of a lane block by one frame.
-    static void take_step(const T* values, const T* x, T* sums, T* state, T* kept) {
+    static void update_state(const T* values, const T* x, T* sums, T* state, T* kept) {
         const auto put = [&](T* to, const T* biases) {
             return [=](std::size_t row, const kernels::vector<T>& sum) {
                 kernels::store(to + row * lanes, sum + kernels::vector<T>(biases[row]));

@@ -38,7 +38,8 @@ public:
     template <class Sink>
     decode_status push(std::span<const std::byte> bytes, Sink&& sink) {
         if (status() != decode_status::damaged &&
-            !lines_.push(bytes, [&](const text_line& line) { return take(line, sink); }) && lines_.too_long())
+            !lines_.push(bytes, [&](const text_line& line) { return push_line(line, sink); }) &&
+            lines_.too_long())
             fail_at({{}, lines_.byte(), lines_.number()}, 0,
                     {"a line of at most ", largest_header_bytes, " bytes"}, {"a longer one"});
         return status();
@@ -47,9 +48,9 @@ public:
     template <class Sink>
     decode_status finish(Sink&& sink) {
         if (status() != decode_status::damaged)
-            lines_.finish([&](const text_line& line) { return take(line, sink); });
+            lines_.finish([&](const text_line& line) { return push_line(line, sink); });
         if (status() == decode_status::reading)
-            take_end({last_, {}, tekscan_line_kind::end_of_data}, sink);
+            push_end({last_, {}, tekscan_line_kind::end_of_data}, sink);
         return status();
     }
 
@@ -59,10 +60,10 @@ public:
 private:
     // Returns false if no more lines are to be read, as do the functions below.
     template <class Sink>
-    bool take(const text_line& line, Sink& sink) {
+    bool push_line(const text_line& line, Sink& sink) {
         last_ = {{}, line.byte + line.text.size(), line.number};
         if (header_.next() == tekscan_part::header)
-            return take_header(line);
+            return push_header(line);
         const tekscan_line read = detail::read_data_line(line, unquoted_);
         if (read.kind == tekscan_line_kind::blank)
             return true;
@@ -70,26 +71,26 @@ private:
             return fail_at(line, 0, {"nothing after the closing @@"}, {read.shown()});
         switch (read.kind) {
         case tekscan_line_kind::row:
-            return take_row(line);
+            return push_row(line);
         case tekscan_line_kind::frame:
-            return take_frame_line(read, sink);
+            return push_frame_line(read, sink);
         case tekscan_line_kind::end_mark:
-            return take_end(read, sink);
+            return push_end(read, sink);
         default:
             // The data end within this line, and the frame is complete without it.
             if (!line.ended && row_ == description().rows)
                 return close_frame(read, sink) &&
                        fail_at(line, 0, {"a whole line"}, {"the end of the data after ", read.shown()});
-            return take_row(line);
+            return push_row(line);
         }
     }
 
-    bool take_header(const text_line& line) {
+    bool push_header(const text_line& line) {
         if (const auto foreign = foreign_text(line.text); line.number == 1 && !foreign.empty())
             return fail_at(line, 0, {"lines of text in ASCII or UTF-8"}, {foreign});
-        if (auto problem = header_.take(line.text, mutable_description()))
+        if (auto problem = header_.push_line(line.text, mutable_description()))
             return fail_at(line, 0, {problem->expected}, {problem->found});
-        if (const auto doubt = header_.take_warning())
+        if (const auto doubt = header_.pop_warning())
             mutable_warnings().add(
                 {line.byte, line.number, 0, warning_text(doubt->expected), warning_text(doubt->found)});
         if (header_.next() == tekscan_part::map)
@@ -98,7 +99,7 @@ private:
     }
 
     template <class Sink>
-    bool take_frame_line(const tekscan_line& line, Sink& sink) {
+    bool push_frame_line(const tekscan_line& line, Sink& sink) {
         if (open_ && !announced_)
             return fail_at(line.source, 0, {"the end after a frame without a line 'Frame'"}, {line.shown()});
         if (open_ && !close_frame(line, sink))
@@ -133,7 +134,7 @@ private:
             warn("a time in all frames or in none", frame.stamp ? "the first one" : "none any more");
     }
 
-    bool take_row(const text_line& line) {
+    bool push_row(const text_line& line) {
         const std::size_t rows = description().rows, columns = description().columns;
         if (row_ == rows)
             return fail_at(line, 0, {rows, " rows in a frame"}, {"one more"});
@@ -200,7 +201,7 @@ private:
 
     /// Takes the closing line or the end of the data.
     template <class Sink>
-    bool take_end(const tekscan_line& line, Sink& sink) {
+    bool push_end(const tekscan_line& line, Sink& sink) {
         if (header_.next() == tekscan_part::header)
             return fail_at(line.source, 0, {"a header that ends with 'ASCII_DATA @@'"}, {line.shown()});
         if (open_ && !close_frame(line, sink))

@@ -53,12 +53,12 @@ public:
                 fail_at(byte_, {"nothing after the closing FF FE"}, {"more bytes"});
                 break;
             }
-            const std::size_t taken = part_ == part::header      ? take_header(bytes)
-                                      : part_ == part::run_cells ? take_run(bytes)
-                                      : part_ == part::data      ? take_record(bytes)
-                                                                 : take_number(bytes, sink);
-            byte_ += taken;
-            bytes = bytes.subspan(taken);
+            const std::size_t consumed = part_ == part::header      ? consume_header(bytes)
+                                         : part_ == part::run_cells ? consume_run(bytes)
+                                         : part_ == part::data      ? consume_record(bytes)
+                                                                    : consume_number(bytes, sink);
+            byte_ += consumed;
+            bytes = bytes.subspan(consumed);
         }
         return status();
     }
@@ -79,8 +79,8 @@ private:
     static constexpr std::uint16_t end_of_list = 0xFFFF, end_of_recording = 0xFEFF;
     static_assert(tekscan_binary_header::largest_cells <= end_of_recording);
 
-    std::size_t take_header(std::span<const std::byte> bytes) {
-        const std::size_t taken = header_.take(bytes, mutable_description(), mutable_warnings());
+    std::size_t consume_header(std::span<const std::byte> bytes) {
+        const std::size_t consumed = header_.consume(bytes, mutable_description(), mutable_warnings());
         if (header_.problem()) {
             fail(*header_.problem());
         } else if (header_.complete()) {
@@ -89,12 +89,12 @@ private:
             header_warnings_ = warnings().count();
             part_ = part::run_cell;
         }
-        return taken;
+        return consumed;
     }
 
     /// Takes the one or two bytes of the next number.
     template <class Sink>
-    std::size_t take_number(std::span<const std::byte> bytes, Sink& sink) {
+    std::size_t consume_number(std::span<const std::byte> bytes, Sink& sink) {
         const std::size_t size = part_ == part::run_count ? 1 : 2;
         if (gathered_ == 0)
             number_byte_ = byte_;
@@ -148,22 +148,22 @@ private:
         }
     }
 
-    std::size_t take_run(std::span<const std::byte> bytes) {
-        const std::size_t taken = std::min(bytes.size(), count_);
+    std::size_t consume_run(std::span<const std::byte> bytes) {
+        const std::size_t consumed = std::min(bytes.size(), count_);
         const auto* const from = reinterpret_cast<const std::uint8_t*>(bytes.data());
-        std::copy_n(from, taken, cells().data() + cell_);
+        std::copy_n(from, consumed, cells().data() + cell_);
         // Warnings come before errors, as if bytes came one by one.
-        const std::size_t right = on_tactels(taken);
+        const std::size_t right = on_tactels(consumed);
         checks_.counts({from, right}, cell_, byte_, frames() + 1, mutable_warnings());
-        if (right < taken) {
+        if (right < consumed) {
             fail_at(byte_ + right, {"counts on tactels of the map only"}, {"one in cell ", cell_ + right});
             return 0;
         }
-        cell_ += taken;
-        count_ -= taken;
+        cell_ += consumed;
+        count_ -= consumed;
         if (count_ == 0)
             part_ = part::run_cell;
-        return taken;
+        return consumed;
     }
 
     /// Number of cells before the next cell without a tactel.
@@ -191,11 +191,11 @@ private:
         part_ = value > 0 ? part::data : part::tag;
     }
 
-    std::size_t take_record(std::span<const std::byte> bytes) {
-        const std::size_t taken = records_.take(bytes);
+    std::size_t consume_record(std::span<const std::byte> bytes) {
+        const std::size_t consumed = records_.consume(bytes);
         if (records_.whole())
             part_ = part::tag;
-        return taken;
+        return consumed;
     }
 
     template <class Sink>

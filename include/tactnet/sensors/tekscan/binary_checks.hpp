@@ -48,26 +48,26 @@ public:
             layout_ = (layout_ ^ value) * 1099511628211U;
         tag_ = tag;
         length_ = length;
-        taken_ = 0;
+        filled_ = 0;
     }
     /// Takes bytes of the current record, and returns their number. Records with unknown tags, and times of
     /// day of another length, are skipped.
-    std::size_t take(std::span<const std::byte> bytes) noexcept {
-        const std::size_t taken = std::min(bytes.size(), length_ - taken_);
+    std::size_t consume(std::span<const std::byte> bytes) noexcept {
+        const std::size_t consumed = std::min(bytes.size(), length_ - filled_);
         const bool known =
             tag_ == frame_number || tag_ == microseconds || (tag_ == time_of_day && length_ == 8);
         if (known)
-            std::copy_n(bytes.begin(), taken, data_.begin() + static_cast<std::ptrdiff_t>(taken_));
-        taken_ += taken;
+            std::copy_n(bytes.begin(), consumed, data_.begin() + static_cast<std::ptrdiff_t>(filled_));
+        filled_ += consumed;
         if (!known || !whole())
-            return taken;
+            return consumed;
         if (tag_ == frame_number)
             number = little_endian<std::uint32_t>(data_);
         else
             (tag_ == microseconds ? time : day_time) = little_endian<std::uint64_t>(data_);
-        return taken;
+        return consumed;
     }
-    [[nodiscard]] bool whole() const noexcept { return taken_ == length_; }
+    [[nodiscard]] bool whole() const noexcept { return filled_ == length_; }
 
     /// A hash of tags and lengths in their order.
     [[nodiscard]] std::uint64_t layout() const noexcept { return layout_; }
@@ -75,7 +75,7 @@ public:
 private:
     std::uint64_t layout_ = 14695981039346656037U; ///< FNV-1a
     std::array<std::byte, 8> data_{};
-    std::size_t length_ = 0, taken_ = 0; ///< of the current record
+    std::size_t length_ = 0, filled_ = 0; ///< of the current record
     std::uint16_t tag_ = 0;
 };
 

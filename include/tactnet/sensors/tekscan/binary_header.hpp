@@ -25,11 +25,11 @@ public:
 
     /// Takes bytes up to the end of the header, and returns their number. When the header is complete, fills
     /// `to` and adds warnings about control characters.
-    std::size_t take(std::span<const std::byte> bytes, recording_description& to,
-                     decoding_warnings& warnings) {
+    std::size_t consume(std::span<const std::byte> bytes, recording_description& to,
+                        decoding_warnings& warnings) {
         const std::size_t before = text_.size();
-        const std::size_t taken = std::min(bytes.size(), largest_header_bytes - before);
-        text_.append(reinterpret_cast<const char*>(bytes.data()), taken);
+        const std::size_t consumed = std::min(bytes.size(), largest_header_bytes - before);
+        text_.append(reinterpret_cast<const char*>(bytes.data()), consumed);
         const std::size_t from = before - std::min(before, mark.size() - 1);
         const std::size_t end = text_.find(mark, from);
         if (end != std::string::npos) {
@@ -39,11 +39,11 @@ public:
             complete_ = true;
             return end + mark.size() - before;
         }
-        if (taken < bytes.size())
+        if (consumed < bytes.size())
             refuse(
                 text_.size(), 0,
                 {"a header of at most " + std::to_string(largest_header_bytes) + " bytes", "a longer one"});
-        return taken;
+        return consumed;
     }
 
     [[nodiscard]] bool complete() const noexcept { return complete_; }
@@ -63,7 +63,7 @@ private:
                 text.remove_suffix(1);
             const auto byte = static_cast<std::size_t>(text.data() - text_.data());
             look_for_control(text, byte, line, warnings);
-            if (auto problem = header.take(text, to))
+            if (auto problem = header.push_line(text, to))
                 return refuse(byte, line, std::move(*problem));
             rest.remove_prefix(std::min(length + 1, rest.size()));
         }

@@ -33,8 +33,8 @@ public:
 
     explicit tekscan_header(unit_of unit = unit_of::cells) : unit_(unit) {}
 
-    /// Takes a line. Returns the error in it, if any; then take_warning() has what is doubtful in it.
-    [[nodiscard]] std::optional<tekscan_problem> take(std::string_view line, recording_description& to) {
+    /// Takes a line. Returns the error in it, if any; then pop_warning() has what is doubtful in it.
+    [[nodiscard]] std::optional<tekscan_problem> push_line(std::string_view line, recording_description& to) {
         bytes_ += line.size() + 1;
         if (bytes_ > largest_header_bytes || ++lines_ > largest_header_lines)
             return tekscan_problem{detail::joined({"a header of at most ", largest_header_bytes,
@@ -45,7 +45,7 @@ public:
         if (read.followed_by != tekscan_part::header)
             return begin_data(read.followed_by, to);
         if (in_block_) {
-            take_block_line(read.text, to.header.back().second);
+            push_block_line(read.text, to.header.back().second);
             return std::nullopt;
         }
         const bool may_be_comment = std::exchange(next_is_comment_, false);
@@ -55,7 +55,7 @@ public:
     }
 
     /// What is doubtful in the last line, once: a measure that cannot be read and is left empty.
-    [[nodiscard]] std::optional<tekscan_problem> take_warning() {
+    [[nodiscard]] std::optional<tekscan_problem> pop_warning() {
         return std::exchange(warning_, std::nullopt);
     }
 
@@ -101,7 +101,7 @@ private:
     }
 
     /// Takes text between 'KEY @@' and '@@'.
-    void take_block_line(std::string_view text, std::string& to) {
+    void push_block_line(std::string_view text, std::string& to) {
         if (text == end_mark)
             in_block_ = false;
         else

@@ -33,7 +33,7 @@ public:
     template <class Sink>
     decode_status push(std::span<const std::byte> bytes, Sink&&) {
         if (status() != decode_status::damaged &&
-            !lines_.push(bytes, [&](const text_line& line) { return take(line); }) && lines_.too_long())
+            !lines_.push(bytes, [&](const text_line& line) { return push_line(line); }) && lines_.too_long())
             fail_at(lines_.byte(), lines_.number(), {"a line of at most ", largest_header_bytes, " bytes"},
                     {"a longer one"});
         return status();
@@ -42,7 +42,7 @@ public:
     template <class Sink>
     decode_status finish(Sink&&) {
         if (status() != decode_status::damaged)
-            lines_.finish([&](const text_line& line) { return take(line); });
+            lines_.finish([&](const text_line& line) { return push_line(line); });
         if (status() == decode_status::reading)
             fail_at(lines_.byte(), lines_.number(),
                     {header_.next() == tekscan_part::map
@@ -58,11 +58,11 @@ public:
     static constexpr std::uint16_t no_place = 0xFFFF;
 
 private:
-    bool take(const text_line& line) {
+    bool push_line(const text_line& line) {
         if (header_.next() == tekscan_part::header) {
-            if (auto problem = header_.take(line.text, mutable_description()))
+            if (auto problem = header_.push_line(line.text, mutable_description()))
                 return fail_at(line.byte, line.number, {problem->expected}, {problem->found});
-            if (const auto doubt = header_.take_warning())
+            if (const auto doubt = header_.pop_warning())
                 mutable_warnings().add(
                     {line.byte, line.number, 0, warning_text(doubt->expected), warning_text(doubt->found)});
             if (header_.next() == tekscan_part::cells)
@@ -76,10 +76,10 @@ private:
             return true;
         if (text == "@@")
             return end(line);
-        return take_places(line, text);
+        return push_places(line, text);
     }
 
-    bool take_places(const text_line& line, std::string_view text) {
+    bool push_places(const text_line& line, std::string_view text) {
         while (!text.empty()) {
             const std::size_t length = std::min(text.find_first_of(",; \t"), text.size());
             const std::string_view field = text.substr(0, length);

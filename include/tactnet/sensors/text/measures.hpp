@@ -53,16 +53,16 @@ inline constexpr auto exact_tens = [] {
     constexpr std::ptrdiff_t exact_digits = 15;
     const char* at = begin;
     std::uint64_t digits = 0;
-    const auto take_digits = [&] {
+    const auto read_digits = [&] {
         for (; at != end && detail::is_digit(*at); ++at)
             digits = digits * 10 + static_cast<std::uint64_t>(*at - '0');
     };
-    take_digits();
+    read_digits();
     const std::ptrdiff_t whole = at - begin;
     std::ptrdiff_t fraction = 0;
     if (at != end && *at == '.') {
         ++at;
-        take_digits();
+        read_digits();
         fraction = at - begin - whole - 1;
     }
     if (whole + fraction == 0)

@@ -33,7 +33,7 @@ public:
         if (places_[sample] != recent_.end()) {
             recent_.splice(recent_.begin(), recent_, places_[sample]);
         } else {
-            take_place(sample);
+            assign_place(sample);
             aligned_vector<float>& values = recent_.front().values;
             values.assign(stride_, 0.0F);
             fill(values.data());
@@ -72,7 +72,7 @@ private:
     };
 
     /// Puts a place for a new row in front. A full cache reuses the least recently used one.
-    void take_place(std::size_t sample) {
+    void assign_place(std::size_t sample) {
         if (recent_.size() < capacity_) {
             recent_.push_front({sample, {}});
         } else {

@@ -122,7 +122,7 @@ private:
         /// Samples at 0 with a gradient above this are settled, or at their cost with one below.
         [[nodiscard]] double upper() const { return highest > 0 ? highest : infinity; }
         [[nodiscard]] double lower() const { return lowest < 0 ? lowest : -infinity; }
-        void take(double value) {
+        void include(double value) {
             highest = std::max(highest, value);
             lowest = std::min(lowest, value);
         }
@@ -146,7 +146,7 @@ private:
                 continue;
             }
             const double projected = at_zero ? std::min(g, 0.0) : (at_cost ? std::max(g, 0.0) : g);
-            range.take(projected);
+            range.include(projected);
             if (std::abs(projected) > least_gradient)
                 step(i, g);
             ++k;

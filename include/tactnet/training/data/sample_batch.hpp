@@ -46,10 +46,10 @@ private:
 
 /// The input batch of a network: images of counts as (count − mean) × scale. Features keep a mean of zero and
 /// a scale of 1.
-class input_batch {
+class normalised_batch {
 public:
     /// `size` is the number of pixels. The mean is zero and the scale 1 until set.
-    input_batch(std::size_t size, thread_pool& threads) : threads_(threads), mean_(size), samples_(size) {}
+    normalised_batch(std::size_t size, thread_pool& threads) : threads_(threads), mean_(size), samples_(size) {}
 
     /// Subtracts the mean of the chosen images, one or more, summed in integers without rounding errors.
     void subtract_mean(std::span<const std::uint8_t> pixels, std::span<const std::size_t> chosen) {

@@ -36,7 +36,7 @@ public:
             values[i] += step * gradients[i];
     }
     /// Restores parameters and statistics, so that each image counts once in the statistics.
-    void come_back(trainable& network) const { network.take(values_, statistics_); }
+    void come_back(trainable& network) const { network.copy_from(values_, statistics_); }
 
 private:
     std::vector<float> values_, statistics_;
@@ -63,8 +63,8 @@ public:
         decayed_ = decay_mask(how.optimiser, network.describe(), size);
     }
 
-    [[nodiscard]] input_batch& in() { return in_; }
-    [[nodiscard]] const input_batch& in() const { return in_; }
+    [[nodiscard]] normalised_batch& in() { return in_; }
+    [[nodiscard]] const normalised_batch& in() const { return in_; }
     [[nodiscard]] optimiser_state<float>& optimiser() { return optimiser_; }
     [[nodiscard]] const optimiser_state<float>& optimiser() const { return optimiser_; }
 
@@ -76,16 +76,16 @@ public:
                     static_cast<float>(share));
     }
 
-    /// Takes one step with the batch in `in()`; returns its mean loss before the step.
-    double take(std::span<const std::size_t> labels, double rate) {
+    /// One step with the batch in `in()`. Returns its mean loss before the step.
+    double run(std::span<const std::size_t> labels, double rate) {
         const double loss = find_gradients(labels);
         if (how_.sharpness_radius > 0) {
             perturbation_.climb(network_, gradients_, how_.sharpness_radius);
             find_gradients(labels);
             perturbation_.come_back(network_);
         }
-        take_step<float>(how_.optimiser, optimiser_, rate, network_.learnable_values(), gradients_, decayed_,
-                         rate_shares_);
+        optimiser_step<float>(how_.optimiser, optimiser_, rate, network_.learnable_values(), gradients_,
+                              decayed_, rate_shares_);
         return loss;
     }
 
@@ -136,7 +136,7 @@ private:
     aligned_vector<float> rate_shares_; ///< empty if all learn at the same rate
     sam_perturbation perturbation_;
     std::unique_ptr<trainable::workspace> space_;
-    input_batch in_;
+    normalised_batch in_;
     sample_batch out_, out_gradient_;
 };
 

@@ -36,7 +36,7 @@ public:
 
     [[nodiscard]] virtual shape input_shape() const = 0;
     [[nodiscard]] virtual std::size_t outputs() const = 0;
-    [[nodiscard]] virtual bool takes_counts() const = 0;
+    [[nodiscard]] virtual bool needs_counts() const = 0;
     [[nodiscard]] virtual transformer image_transformer() const = 0;
     /// The arrays, as in basic_network.
     [[nodiscard]] virtual std::vector<parameter> describe() const = 0;
@@ -59,7 +59,7 @@ public:
 
     /// Copies the arrays of a network of the same type. Throws std::invalid_argument for arrays of other
     /// sizes.
-    void take(std::span<const float> values, std::span<const float> statistics) {
+    void copy_from(std::span<const float> values, std::span<const float> statistics) {
         if (values.size() != learnable_values().size() || statistics.size() != running_statistics().size())
             detail::throw_invalid_argument({"trainable: expected ", learnable_values().size(),
                                             " parameters and ", running_statistics().size(),
@@ -72,7 +72,7 @@ public:
     [[nodiscard]] std::span<float> values_of(const parameter& p) {
         return (learnable(p.role) ? learnable_values() : running_statistics()).subspan(p.offset, p.size);
     }
-    void take(trainable& other) { take(other.learnable_values(), other.running_statistics()); }
+    void copy_from(trainable& other) { copy_from(other.learnable_values(), other.running_statistics()); }
 
 protected:
     trainable() = default;
@@ -110,7 +110,7 @@ public:
     }
     [[nodiscard]] shape input_shape() const override { return input; }
     [[nodiscard]] std::size_t outputs() const override { return Network::outputs; }
-    [[nodiscard]] bool takes_counts() const override { return Network::takes_counts; }
+    [[nodiscard]] bool needs_counts() const override { return Network::needs_counts; }
     [[nodiscard]] transformer image_transformer() const override {
         return [](const image_transform& t, const std::uint8_t* from, float* to) {
             transform_image<input>(t, std::span<const std::uint8_t, input.size()>(from, input.size()),
