@@ -54,6 +54,18 @@ ONLY = {
 # What the folders of kernels/ may include of each other; "" stands for headers next to the folders. What a deployed network runs includes
 # nothing that only trainings need.
 KERNELS = {"arch": "", "simd": "arch", "batch": "simd", "integer": "arch simd", "map": "simd", "panels": "simd", "frame": "arch panels simd", "rows": "arch panels simd", "": "simd"}
+# What the files of operators/ may include of each other, by their names: a layer nothing that is deployed, a step nothing that is trained.
+# All other files are shared: what activation functions and cells compute.
+OPERATORS = {
+    "layer": "layer shared",
+    "training": "training layer shared",
+    "lowering": "lowering layer step shared",
+    "step": "step shared",
+    "eight_bit": "eight_bit reference step shared",
+    "reference": "reference eight_bit step shared",
+    "shared": "shared",
+}
+OPERATOR_KINDS = {"costs": "layer", "frames": "layer", "layer_list": "layer", "named": "layer", "trained_layer": "training"}
 # Folders that only these and they themselves include: a simulation of your own objects does not pay for the paper's 22 classes.
 CLOSED = {"simulation/paper": "simulation.hpp"}
 # What only kernels/ may know.
@@ -67,6 +79,12 @@ SYSTEM_HEADERS = r"(unistd|fcntl|io|windows)\.h$|sys/[a-z]+\.h$"
 def room_of(header):
     """A room is a folder; an umbrella <room>.hpp next to the folders belongs to the room."""
     return header.partition("/")[0].removesuffix(".hpp")
+
+
+def operator_kind(header):
+    """What a file of operators/ is for, by its name."""
+    name = pathlib.PurePosixPath(header).stem
+    return OPERATOR_KINDS.get(name, name if name in OPERATORS else "shared")
 
 
 def include_problem(header, included):
@@ -85,6 +103,12 @@ def include_problem(header, included):
             folder = header.split("/")[1] if header.count("/") > 1 else ""
             if named.split("/")[1] not in [folder, *KERNELS.get(folder, "").split()]:
                 return f"'{'/'.join(['kernels', folder]).rstrip('/')}' may not include <{included}>"
+        if header.startswith("operators/"):
+            kind = operator_kind(header)
+            if named.startswith("operators/") and operator_kind(named) not in OPERATORS[kind].split():
+                return f"a file of operators/ with this name may not include <{included}>"
+            if named.startswith("kernels/batch/") and kind != "training":
+                return f"only training.hpp may include <{included}>"
         for closed, users in CLOSED.items():
             if named.startswith(closed + "/") and not header.startswith(closed + "/") and header not in users.split():
                 return f"only {closed}/ and {users} may include <{included}>"
@@ -126,6 +150,13 @@ def check_includes(root):
                 first = purposes.setdefault((found[1], found[3]), place)
                 if first != place:
                     yield f"{place}: the number of {found[2]} is that of {first}"
+    # An operator's file that its umbrella leaves out would be no part of the library.
+    for kind in ("layer", "training", "lowering", "eight_bit", "reference"):
+        umbrella = "operators.hpp" if kind == "layer" else f"operators/{kind}.hpp"
+        listed = (folder / umbrella).read_text() if (folder / umbrella).exists() else ""
+        for header in headers:
+            if re.fullmatch(rf"operators/[a-z_]+/{kind}\.hpp", header) and f"<tactnet/{header}>" not in listed:
+                yield f"{umbrella}: does not include <tactnet/{header}>"
     if not headers:
         yield f"there are no headers in {folder}"
 
@@ -187,6 +218,9 @@ def self_check(root):
             "kernels/frame/includes_batch.hpp:4: 'kernels/frame' may not include",
             "kernels/includes_operators.hpp:4: room 'kernels' may not include",
             "operators/comment_first.hpp: has its comment in front",
+            "operators.hpp: does not include <tactnet/operators/unlisted/layer.hpp>",
+            "operators/dense/step.hpp:3: a file of operators/ with this name may not include",
+            "operators/dense/step.hpp:4: only training.hpp may include",
             "operators/includes_unknown.hpp:3: .* no room",
             "operators/other_namespace.hpp:4: opens namespace tactnet without",
             "operators/same_purpose.hpp:9: the number of other is that of operators/same_purpose.hpp:8",
