@@ -17,3 +17,4 @@
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/save_model.hpp>
 #include <tactnet/io/write_file.hpp>
+#include <tactnet/networks/batch_passes.hpp> // load_model and save_model compute a batch for the self-test

@@ -37,6 +37,7 @@ ROOMS = {
 }
 # What some headers may include in addition.
 HEADERS = {
+    "io.hpp": "networks",  # what loading a model computes
     "io/model_file.hpp": "networks",  # it is the file of a networks/model.hpp
     "io/model_description.hpp": "networks",  # which temperatures there are
     "io/svm_file.hpp": "svm",
