@@ -135,7 +135,7 @@ TEST_CASE("training_loop: networks of a type that it does not know") {
     CHECK(copy->learnable_values()[0] != best.learnable_values()[0]);
     CHECK_THROWS_AS(loop.start_from(copy->learnable_values(), copy->running_statistics()), std::logic_error);
     // Arrays of another network.
-    CHECK_THROWS_AS(copy->take(copy->learnable_values().first(3), copy->running_statistics()),
+    CHECK_THROWS_AS(copy->copy_from(copy->learnable_values().first(3), copy->running_statistics()),
                     std::invalid_argument);
 }
 
