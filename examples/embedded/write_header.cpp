@@ -6,7 +6,7 @@
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/networks/tactnet4.hpp>
-#include <tactnet/training/initialise.hpp>
+#include <tactnet/training.hpp>
 
 #include <array>
 #include <cstdint>
