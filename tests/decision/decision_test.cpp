@@ -109,6 +109,7 @@ TEST_CASE("gain_monitor: statistics of nothing, and numbers that no forces have,
                 for (int touch = 0; touch < 100; ++touch)
                     monitor.add_touch(1e308);
                 CHECK(std::isfinite(monitor.gain()));
+                CHECK(monitor.gain() > 1);
                 CHECK(std::isfinite(monitor.uncertainty()));
             }
 }
