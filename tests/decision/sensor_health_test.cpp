@@ -364,23 +364,25 @@ TEST_CASE("sensor_health: a state that is damaged, cut or of another array chang
     CHECK(other.restore(summed(state)) == restore_status::ok);
     CHECK(other.restore(kept) == restore_status::ok);
     const std::size_t faults = 16 + 13 + 2 * array.size(); // overflowed, count, then 13 bytes for each
-    for (const auto& [place, value] : std::vector<std::pair<std::size_t, int>>{
-             {0, 2}, {1, 255}, {4, 1}, {5, 28}, {7, 50}, {9, 2}, {5 + 13, 3}}) {
-        auto wrong = state;
-        wrong[faults + place] = static_cast<std::byte>(value);
-        if (place == 5 + 13) // the same tactel twice
-            wrong[faults + place + 2] = std::byte{4};
-        const std::size_t changed = place; // Clang 14 captures no structured binding
-        CAPTURE(changed);
-        CHECK(other.restore(summed(wrong)) == restore_status::damaged);
-    }
-    // More frames learnt than count, a level above a byte, an overflow without faults, one found in the
-    // future.
-    for (const auto& [place, value] : std::vector<std::pair<std::size_t, int>>{
-             {18, 2}, {19, 255}, {16 + 13 + 2 * 154, 1}, {faults, 1}, {faults + 5 + 13 + 12, 1}}) {
+    // Of the list of faults; and more frames learnt than count, a level above a byte, an overflow without
+    // faults, one found in the future.
+    for (const auto& [place, value] : std::vector<std::pair<std::size_t, int>>{{faults, 2},
+                                                                               {faults + 1, 255},
+                                                                               {faults + 4, 1},
+                                                                               {faults + 5, 28},
+                                                                               {faults + 7, 50},
+                                                                               {faults + 9, 2},
+                                                                               {faults + 5 + 13, 3},
+                                                                               {18, 2},
+                                                                               {19, 255},
+                                                                               {16 + 13 + 2 * 154, 1},
+                                                                               {faults, 1},
+                                                                               {faults + 5 + 13 + 12, 1}}) {
         auto wrong = state;
         wrong[place] = static_cast<std::byte>(value);
-        const std::size_t changed = place;
+        if (place == faults + 5 + 13) // the same tactel twice
+            wrong[place + 2] = std::byte{4};
+        const std::size_t changed = place; // Clang 14 captures no structured binding
         CAPTURE(changed);
         CHECK(other.restore(summed(wrong)) == restore_status::damaged);
     }

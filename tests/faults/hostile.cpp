@@ -16,25 +16,14 @@ namespace {
 
 using namespace std::string_literals;
 
-using tactnet::element_type;
-
-/// Changes the tensors of a weight file, and adds to it; its checksum is right.
-using tensor_change = std::function<void(const std::string& name, element_type&, std::vector<std::byte>&)>;
-using addition = std::function<void(tactnet::safetensors_writer&)>;
-void rewrite(const fs::path& file, const tensor_change& change, const addition& add) {
+/// Adds to a weight file; its checksum is right.
+void rewrite(const fs::path& file, const std::function<void(tactnet::safetensors_writer&)>& add) {
     const auto old = tactnet::safetensors::read(file);
     tactnet::safetensors_writer writer;
     writer.metadata = old.metadata();
-    for (const auto& [name, entry] : old.tensors()) {
-        const std::span<const std::byte> stored = old.bytes(name);
-        std::vector<std::byte> bytes(stored.begin(), stored.end());
-        element_type type = entry.type;
-        if (change)
-            change(name, type, bytes);
-        writer.add(name, type, entry.extents, bytes);
-    }
-    if (add)
-        add(writer);
+    for (const auto& [name, entry] : old.tensors())
+        writer.add(name, entry.type, entry.extents, old.bytes(name));
+    add(writer);
     fs::remove(file);
     writer.write(file);
 }
@@ -56,40 +45,15 @@ void must_be_refused(scene& s, const std::string& what, const std::string& sente
 void surplus_tensors(scene& s) {
     s.bring("net");
     const std::size_t count = 1 + s.below(40'000), length = 1 + s.below(400), extents = s.below(2000);
-    rewrite(s.folder / "net", {}, [&](tactnet::safetensors_writer& to) {
+    rewrite(s.folder / "net", [&](tactnet::safetensors_writer& to) {
         for (std::size_t i = 0; i < count; ++i) {
             std::vector<std::size_t> shape(i == 0 ? extents : 0, std::size_t(-1));
             shape.push_back(0);
-            to.add(std::string(length, 'x') + std::to_string(i), element_type::float32, shape,
+            to.add(std::string(length, 'x') + std::to_string(i), tactnet::element_type::float32, shape,
                    std::span<const std::byte>());
         }
     });
     must_be_refused(s, std::to_string(count) + " surplus tensors", " of another network");
-}
-
-/// Weights of the other byte order, of zero, and rounded to BF16.
-void strange_weights(scene& s) {
-    s.bring("net");
-    const std::size_t kind = s.below(3);
-    const auto change = [&](const std::string& name, element_type& type, std::vector<std::byte>& bytes) {
-        if (type != element_type::float32 || name.starts_with("selftest."))
-            return;
-        std::vector<std::byte> halves;
-        for (std::size_t i = 0; i < bytes.size(); i += 4)
-            if (kind == 0)
-                std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(i),
-                             bytes.begin() + static_cast<std::ptrdiff_t>(i) + 4);
-            else
-                halves.insert(halves.end(), {bytes[i + 2], bytes[i + 3]});
-        if (kind == 1 && name.ends_with(".weight"))
-            std::fill(bytes.begin(), bytes.end(), std::byte{0});
-        if (kind == 2)
-            bytes = halves, type = element_type::bfloat16;
-    };
-    rewrite(s.folder / "net", change, {});
-    const std::array sentences{"expected little-endian numbers"s, "expected a trained network"s,
-                               "weights are stored as BF16"s};
-    must_be_refused(s, "strange weights " + std::to_string(kind), sentences[kind]);
 }
 
 void stored_temperature(scene& s) {
@@ -99,8 +63,7 @@ void stored_temperature(scene& s) {
     const std::array taken{"0.001"s, "0.5"s, "1"s, "20"s, "1000"s};
     const bool good = s.below(3) == 0;
     const std::string value = good ? s.one_of(taken) : s.one_of(refused);
-    rewrite(s.folder / "net", {},
-            [&](tactnet::safetensors_writer& to) { to.metadata["temperature"] = value; });
+    rewrite(s.folder / "net", [&](tactnet::safetensors_writer& to) { to.metadata["temperature"] = value; });
     if (!good)
         return must_be_refused(s, "temperature " + value, "metadata 'temperature': expected a ");
     const ending end = s.run(s.made.classify("net"), without_pictures);
@@ -193,8 +156,8 @@ void foreign_results(scene& s) {
 } // namespace
 
 void say_hostile_things(scene& s, std::size_t number) {
-    constexpr std::array kinds{surplus_tensors, strange_weights, stored_temperature, names_of_classes,
-                               list_of_names,   missing_folders, foreign_results};
+    constexpr std::array kinds{surplus_tensors, stored_temperature, names_of_classes,
+                               list_of_names,   missing_folders,    foreign_results};
     kinds[number % kinds.size()](s);
 }
 

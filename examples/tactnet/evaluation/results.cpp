@@ -115,39 +115,28 @@ const training_result* result_list::find_elsewhere(const tactnet::file_metadata&
 
 std::string result_list::others(const std::vector<tactnet::file_metadata>& wanted) const {
     std::set<tactnet::file_metadata> known;
-    std::map<std::string, const tactnet::file_metadata*> by_method;
-    const auto method_of = [](const tactnet::file_metadata& settings) {
-        std::string name;
-        for (const char* key : {"network", "rows", "columns"})
-            if (const auto found = settings.find(key); found != settings.end())
-                name += found->second + ' ';
-        return name;
-    };
-    for (const tactnet::file_metadata& settings : wanted) {
+    for (const tactnet::file_metadata& settings : wanted)
         known.insert(without_program(in_single_precision(settings)));
-        by_method.try_emplace(method_of(settings), &settings);
-    }
     std::set<std::string> reasons;
     std::size_t count = 0;
     for (const auto& [settings, result] : results_) {
-        if (settings.contains("bits") || known.contains(without_program(settings)))
+        const tactnet::file_metadata one = without_program(settings);
+        if (settings.contains("bits") || known.contains(one))
             continue;
-        ++count;
-        const auto near = by_method.find(method_of(settings));
-        if (near == by_method.end()) {
-            reasons.insert("method or size");
+        if (++count > 50) // of a longer list, the first will do
             continue;
+        // Compared with the nearest that is wanted.
+        std::set<std::string> fewest;
+        for (const tactnet::file_metadata& other : known) {
+            std::set<std::string> differing;
+            for (const auto& [a, b] : {std::pair(&one, &other), {&other, &one}})
+                for (const auto& [key, value] : *a)
+                    if (const auto same = b->find(key); same == b->end() || same->second != value)
+                        differing.insert(key);
+            if (fewest.empty() || differing.size() < fewest.size())
+                fewest = differing;
         }
-        const tactnet::file_metadata one = without_program(settings),
-                                     other = without_program(in_single_precision(*near->second));
-        const std::size_t before = reasons.size();
-        for (const auto& [a, b] : {std::pair(&one, &other), {&other, &one}})
-            for (const auto& [key, value] : *a)
-                if (const auto same = b->find(key);
-                    key != "seed" && key != "split" && (same == b->end() || same->second != value))
-                    reasons.insert(key);
-        if (reasons.size() == before && one != other)
-            reasons.insert("seed or split");
+        reasons.merge(fewest);
     }
     return count == 0 ? "" : fmt::format("{} others lie there, of other {}", count, fmt::join(reasons, ", "));
 }

@@ -42,20 +42,10 @@ struct discriminant {
     }
     /// Takes what `save` wrote, in place of this map.
     [[nodiscard]] restore_status restore(std::span<const std::byte> state) noexcept {
-        detail::state_reader from;
-        if (const restore_status opened = from.open(state, state_bytes, state_header);
-            opened != restore_status::ok)
-            return opened;
-        detail::state_reader ahead = from;
-        bool finite = true;
-        visit(*this, [&](float number) {
-            ahead.read(number);
-            finite &= std::isfinite(number);
+        return detail::restore_numbers(state, state_bytes, state_header, [&](const auto& visit) {
+            this->visit(*this,
+                        [&](float& number) { visit(number, double{std::numeric_limits<float>::max()}); });
         });
-        if (!finite)
-            return restore_status::damaged;
-        visit(*this, [&](float& number) { from.read(number); });
-        return restore_status::ok;
     }
 
 private:

@@ -2,7 +2,6 @@
 
 #include <tactnet/runtime/saved_state.hpp>
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -78,21 +77,8 @@ void save_state(const State& state, std::span<std::byte, saved_state_bytes<State
 /// bytes, and for numbers that no state has (not finite, or a place beyond a ring of frames).
 template <class State>
 [[nodiscard]] restore_status restore_state(std::span<const std::byte> from, State& state) noexcept {
-    detail::state_reader reader;
-    if (const restore_status opened =
-            reader.open(from, saved_state_bytes<State>, detail::stream_state_header<State>);
-        opened != restore_status::ok)
-        return opened;
-    detail::state_reader ahead = reader;
-    bool possible = true;
-    detail::visit_stream_state(state, [&](auto number, double most) {
-        ahead.read(number);
-        possible &= std::abs(static_cast<double>(number)) <= most; // false for NaN
-    });
-    if (!possible)
-        return restore_status::damaged;
-    detail::visit_stream_state(state, [&](auto& number, double) { reader.read(number); });
-    return restore_status::ok;
+    return detail::restore_numbers(from, saved_state_bytes<State>, detail::stream_state_header<State>,
+                                   [&](const auto& visit) { detail::visit_stream_state(state, visit); });
 }
 
 }} // namespace tactnet

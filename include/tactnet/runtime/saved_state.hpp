@@ -4,6 +4,7 @@
 #include <tactnet/detail/xxh64.hpp>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -122,6 +123,26 @@ private:
     std::span<const std::byte> bytes_;
     std::size_t at_ = 0;
 };
+
+/// Takes the numbers of a state from bytes, in place of what is there, unless a magnitude is beyond its bound
+/// or NaN: visit_all(visit) calls visit(number, most) for each, in the order of their bytes. The state may be
+/// too large for a copy on the stack, so that bytes are read twice.
+template <class VisitAll>
+[[nodiscard]] restore_status restore_numbers(std::span<const std::byte> from, std::size_t bytes,
+                                             const state_header& header, const VisitAll& visit_all) noexcept {
+    state_reader reader;
+    if (const restore_status opened = reader.open(from, bytes, header); opened != restore_status::ok)
+        return opened;
+    state_reader ahead = reader;
+    bool possible = true;
+    visit_all([&](auto number, double most) {
+        ahead.read(number);
+        possible &= std::abs(static_cast<double>(number)) <= most;
+    });
+    if (possible)
+        visit_all([&](auto& number, double) { reader.read(number); });
+    return possible ? restore_status::ok : restore_status::damaged;
+}
 
 } // namespace detail
 
