@@ -47,8 +47,8 @@ void surplus_tensors(scene& s) {
     const std::size_t count = 1 + s.below(40'000), length = 1 + s.below(400), extents = s.below(2000);
     rewrite(s.folder / "net", [&](tactnet::safetensors_writer& to) {
         for (std::size_t i = 0; i < count; ++i) {
-            std::vector<std::size_t> shape(i == 0 ? extents : 0, std::size_t(-1));
-            shape.push_back(0);
+            std::vector<std::size_t> shape(i == 0 ? extents : 0, std::size_t(-1)); // of nothing
+            shape.insert(shape.begin(), 0);
             to.add(std::string(length, 'x') + std::to_string(i), tactnet::element_type::float32, shape,
                    std::span<const std::byte>());
         }
@@ -121,7 +121,8 @@ void missing_folders(scene& s) {
     const ending end = s.run(commands[which], without_pictures);
     s.expect(end.done(), "missing folders: " + end.text());
     const std::size_t made = depth + (which == 2 ? 1 : 0);
-    s.expect((end.error.find("made this folder and those above it") != std::string::npos) == (made > 1),
+    s.expect((end.error.find("neither this folder nor the one above it is there") != std::string::npos) ==
+                 (made > 1),
              std::to_string(made) + " folders were made: " + end.error);
 }
 

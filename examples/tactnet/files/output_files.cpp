@@ -100,6 +100,10 @@ void check_outputs(const std::vector<named_file>& inputs, const std::vector<name
         if (const auto folder = output.path.parent_path(); folders.insert(folder).second) {
             tactnet::remove_abandoned_files(folder);
             remove_abandoned_claims(folder);
+            std::error_code ignored; // perhaps a slip of the pen, or a disk that is not mounted
+            if (folder.has_parent_path() && !fs::exists(folder.parent_path(), ignored))
+                tell("{}: neither this folder nor the one above it is there; they will be made\n",
+                     printable(folder.string()));
         }
 }
 
@@ -120,12 +124,8 @@ void add_picture(std::vector<named_file>& outputs, const std::string& option, co
 
 void make_folder_of(const fs::path& path) {
     std::error_code code;
-    const fs::path folder = path.parent_path();
-    const bool several = folder.has_parent_path() && !fs::exists(folder.parent_path(), code);
     if (path.has_parent_path())
-        fs::create_directories(folder, code);
+        fs::create_directories(path.parent_path(), code);
     if (code)
-        refuse("{}: expected to make the folder, found '{}'", folder.string(), code.message());
-    if (several) // perhaps a slip of the pen, or a disk that is not mounted
-        tell("{}: made this folder and those above it, which were not there\n", printable(folder.string()));
+        refuse("{}: expected to make the folder, found '{}'", path.parent_path().string(), code.message());
 }

@@ -14,7 +14,7 @@ struct named_file {
 
 /// Throws usage_error unless all outputs can be written, are neither inputs nor each other, also by links,
 /// and lie outside the classes of images in `data`. Then removes what killed programs have left in their
-/// folders.
+/// folders, and reports those of which several levels are missing.
 void check_outputs(const std::vector<named_file>& inputs, const std::vector<named_file>& outputs,
                    const std::filesystem::path& data = {});
 
@@ -25,6 +25,5 @@ void check_regular(const std::vector<named_file>& outputs);
 void add_picture(std::vector<named_file>& outputs, const std::string& option,
                  const std::filesystem::path& stem);
 
-/// Makes the folder of a file, if there is none; says so if others above it were missing too. Throws
-/// usage_error.
+/// Makes the folder of a file, if there is none. Throws usage_error.
 void make_folder_of(const std::filesystem::path& path);

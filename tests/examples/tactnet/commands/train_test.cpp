@@ -88,8 +88,8 @@ TEST_SUITE("program") {
         const workshop shop;
         shop.trains("--epochs 2 --output recipe");
         says(shop.trains("--epochs 1 --output one/two/three/net").error,
-             "one/two/three: made this folder and those above it, which were not there\n");
-        says_not(shop.trains("--epochs 1 --output four/net").error, "made this folder");
+             "one/two/three: neither this folder nor the one above it is there; they will be made\n");
+        says_not(shop.trains("--epochs 1 --output four/net").error, "neither this folder");
         const auto turned = tactnet::recipe::default_for(7, 13).ranges;
         shop.trains({"--epochs", "2", "--output", "same", "--rotation", std::to_string(turned.rotation),
                      "--translation", std::to_string(turned.translation)});
