@@ -32,7 +32,7 @@ judged_pair judge_pairs(float told) {
     error_of_fitted = told;
     std::vector<float> folded{0, 0, 0, 0, first_weight, second_weight, 0, 1};
     const detail::calibrated_network found(
-        support::pair_description(0), std::move(folded), 1, support::pair_images(1),
+        support::pair_description(), std::move(folded), 1, support::pair_images(1),
         [](std::span<const float> numbers, std::span<const float> shown, std::span<float> to) {
             const bool fitted = numbers[5] != second_weight;
             for (std::size_t i = 0; i < to.size(); ++i)
@@ -49,7 +49,7 @@ judged_pair judge_pairs(float told) {
 void refuses(std::vector<float> folded, float scale, std::vector<float> images, const char* text) {
     CHECK_THROWS_WITH_AS(
         static_cast<void>(detail::calibrated_network(
-            support::pair_description(0), std::move(folded), scale, images,
+            support::pair_description(), std::move(folded), scale, images,
             [](std::span<const float>, std::span<const float>, std::span<float>) { return true; })),
         doctest::Contains(text), std::invalid_argument);
 }

@@ -14,16 +14,19 @@ namespace support {
 /// 124 and 1 it gains 0.23 x.
 constexpr float first_weight = 127.375f, second_weight = 0.484375f;
 
-/// The frame's map has the first range, that of words, or another, that of bytes.
-inline tactnet::detail::calibration_graph pair_description(std::size_t range_of_frame) {
+/// The largest inputs of sums.
+constexpr double largest_word = 32768, largest_byte = 255;
+
+inline tactnet::detail::calibration_graph pair_description(double largest_input = largest_word) {
     tactnet::detail::calibration_graph net;
     net.ranges = 2;
-    const std::size_t input = net.add_map({1, 2}, range_of_frame),
+    const std::size_t input = net.add_map({1, 2}, 0),
                       output = net.add_map({1, 1}, tactnet::detail::calibration_graph::none);
     static constexpr tactnet::kernels::frame_convolution sum{
         .window = {{1, 2}, tactnet::extent2d(1, 2), 1}, .filters = 1, .input_stride = 1};
     // Folded numbers follow the mean and what words hold.
-    net.nodes.push_back({.convolution = &sum, .input = input, .output = output, .folded = 4});
+    net.nodes.push_back(
+        {.convolution = &sum, .largest_input = largest_input, .input = input, .output = output, .folded = 4});
     return net;
 }
 /// The second input is seven times the first.

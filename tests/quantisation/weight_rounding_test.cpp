@@ -15,6 +15,8 @@
 // Rounded weights that make up for one another, of one filter and of whole networks.
 
 using namespace tactnet;
+using support::largest_byte;
+using support::largest_word;
 using support::mean_square;
 
 namespace {
@@ -30,10 +32,10 @@ eight_bit_calibration<pair_net> on_pairs(const std::vector<float>& images) {
 }
 
 /// The result of weight_rounding for two weights and a bias; weights are in steps of 1, and inputs are whole.
-std::vector<float> fitted_pair(std::size_t range_of_frame, float bias) {
+std::vector<float> fitted_pair(double largest_input, float bias) {
     const std::vector<float> exact{0, 0, 128, 255, support::first_weight, support::second_weight, bias, 1};
     const std::vector<map_range> ranges(2, map_range{1, 0});
-    const detail::calibration_graph net = support::pair_description(range_of_frame);
+    const detail::calibration_graph net = support::pair_description(largest_input);
     const detail::weight_rounding found(net, ranges, exact, 1, support::pair_images(100));
     return {found.folded().begin() + 4, found.folded().end()};
 }
@@ -145,19 +147,19 @@ TEST_CASE("eight_bit_calibration: a weight makes up for what another one loses, 
 
 TEST_CASE("weight_rounding: weights whose sums might exceed 32 bits are not chosen") {
     // The fit turns (127, 0) into (124, 1): the second input is always seven times the first.
-    const auto changes = [](std::size_t range, float bias) {
-        return fitted_pair(range, bias)[1] != support::second_weight;
+    const auto changes = [](double largest_input, float bias) {
+        return fitted_pair(largest_input, bias)[1] != support::second_weight;
     };
-    const std::vector<float> near = fitted_pair(0, 0);
+    const std::vector<float> near = fitted_pair(largest_word, 0);
     CHECK(near[0] == 124);
     CHECK(near[1] == 1);
-    CHECK(changes(1, 0));
+    CHECK(changes(largest_byte, 0));
     // Beside this bias there is room for bytes, which are at most 255, not for words, which reach 32768.
     constexpr float nearly_all = 0x1p31f - 0x1p21f;
-    CHECK(!changes(0, nearly_all));
-    CHECK(changes(1, nearly_all));
+    CHECK(!changes(largest_word, nearly_all));
+    CHECK(changes(largest_byte, nearly_all));
     // And where there is none for bytes.
-    CHECK(!changes(1, 0x1p31f - 0x1p16f));
-    CHECK(fitted_pair(0, nearly_all) ==
+    CHECK(!changes(largest_byte, 0x1p31f - 0x1p16f));
+    CHECK(fitted_pair(largest_word, nearly_all) ==
           std::vector<float>{support::first_weight, support::second_weight, nearly_all, 1});
 }

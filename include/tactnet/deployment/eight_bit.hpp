@@ -30,10 +30,8 @@ struct layout_visitor {
     [[gnu::cold]] void operator()(const char*, const char*, const Arguments&... arguments) {
         if constexpr ((is_inner_step<Arguments> || ...))
             (append_inner(arguments), ...);
-        else if constexpr (requires { Step::largest_input; })
-            append_step(to, name, Step::arrays, Step::largest_input);
         else if constexpr (requires { Step::arrays; })
-            append_step(to, name, Step::arrays, 0);
+            append_step(to, name, Step::arrays, Step::largest_input);
         else
             static_assert(Step::folded_elements == 0,
                           "a step in 8 bits with folded numbers must list its arrays");

@@ -124,6 +124,15 @@ struct folded_arrays {
 
 namespace detail {
 
+/// Writes ranges, and scales of weights that follow from them, to the folded numbers of a step.
+template <class Step>
+constexpr void write_ranges(float* to, const step_ranges& values) {
+    if constexpr (requires { &Step::set_ranges; })
+        Step::set_ranges(to, values);
+    else
+        Step::arrays.write_ranges(to, values);
+}
+
 /// The base of steps that cannot come first: they would treat the 16-bit words of the frame as bytes. They
 /// also derive from the version that reads bytes, so this is the only error shown.
 template <std::size_t Stride>

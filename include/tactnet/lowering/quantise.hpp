@@ -65,6 +65,10 @@ struct filter_scale {
 [[nodiscard]] constexpr std::int8_t quantised(float weight, const filter_scale& scale) {
     return quantised(weight, scale.weight_scale);
 }
+/// The nearest weight of 8 bits.
+[[nodiscard]] constexpr float rounded_weight(float weight, float scale) {
+    return static_cast<float>(quantised(weight, static_cast<double>(scale))) * scale;
+}
 
 /// The scale of a filter of weights [count] and a bias, with steps of `weight_scale`. `largest_input` is the
 /// largest magnitude of a staged input, from which `offset` has been subtracted. All positive scales give

@@ -30,6 +30,7 @@
 //   largest_output          a bound of the magnitude of its outputs, whatever the input
 //   keeps_values            whether it only puts its inputs in other places
 //   after_sum               the activation function that it applies after adding to what its output holds
+//   largest_input           in 8 bits, with weights: the largest magnitude of an input, in its steps
 // Optional functions:
 //   run_share               computes the share of one thread in several frames
 //   run_batch               computes several frames on an executor (batch_executor.hpp)
@@ -66,7 +67,7 @@ struct step_defaults {
     static constexpr bool keeps_values = false;
     static constexpr const kernels::fused_activation* after_sum = &kernels::no_activation;
     static constexpr std::size_t number_elements = 1;
-    static constexpr double largest_output = std::numeric_limits<double>::infinity();
+    static constexpr double largest_output = std::numeric_limits<double>::infinity(), largest_input = 0;
 };
 
 /// The requirements on a step, as above.

@@ -27,6 +27,7 @@ struct graph_node {
     using function = void (*)(const float* folded, const float* in, const float* added, float* out);
 
     const kernels::frame_convolution* convolution = nullptr; ///< null for a function
+    double largest_input = 0;                                ///< of a convolution, in steps of its input
     function reference = nullptr;
     std::size_t input = 0, added = none, output = 0; ///< maps; it need not read `added`
     std::size_t folded = 0;                          ///< the first of its folded numbers

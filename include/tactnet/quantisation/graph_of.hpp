@@ -94,17 +94,12 @@ private:
     /// input, since its bytes stay what they are.
     template <class Step>
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into) {
-        graph_node step{.input = input, .folded = folded_};
+        graph_node step{.largest_input = Step::largest_input, .input = input, .folded = folded_};
         std::size_t range = Step::number_elements == 1 ? net_.maps[input].range : none;
         if constexpr (requires { Step::arrays; }) {
             if (Step::arrays.has_output_range())
                 range = net_.ranges++;
-            if constexpr (requires { &Step::set_ranges; })
-                step.set_ranges = &Step::set_ranges;
-            else
-                step.set_ranges = [](float* to, const step_ranges& values) {
-                    Step::arrays.write_ranges(to, values);
-                };
+            step.set_ranges = &write_ranges<Step>;
         }
         if constexpr (requires { Step::kernel; })
             step.convolution = &Step::kernel;

@@ -44,8 +44,6 @@ public:
     /// several times as many samples as taps. Measured as in filter_rounding, with 1024, 2048, 8192 and 65536
     /// in place of the second: the error of outputs is 0.109, 0.105, 0.099, 0.101.
     static constexpr std::size_t pixels_of_tap = 8, fewest_pixels = 8192;
-    /// The largest inputs of sums: a word of 16 bits, an unsigned byte.
-    static constexpr double largest_word = 32768, largest_byte = 255;
 
     /// `exact`: folded numbers with exact weights, with ranges and scales. `images` are consecutive.
     [[gnu::cold]] weight_rounding(const calibration_graph& net, std::span<const map_range> ranges,
@@ -70,7 +68,7 @@ public:
         for (const graph_node& step : net.nodes) {
             const node_executor exact_run(net, step, exact_, false);
             if (step.convolution != nullptr && step.convolution->taps() <= max_taps)
-                fit(step, *step.convolution, exact_run.convolution());
+                fit(step, exact_run.convolution());
             const node_executor rounded_run(net, step, folded_, true);
             const map_range range = net.range_of(step.output, ranges);
             for (std::size_t i = 0; i < images_; ++i) {
@@ -83,12 +81,12 @@ public:
     [[nodiscard]] std::span<const float> folded() const { return folded_; }
 
 private:
-    [[gnu::cold]] void fit(const graph_node& step, const kernels::frame_convolution& kernel,
-                           const convolution_reference& exact) {
+    [[gnu::cold]] void fit(const graph_node& step, const convolution_reference& exact) {
+        const kernels::frame_convolution& kernel = *step.convolution;
         const std::size_t of_group = kernel.filters / kernel.groups, taps = kernel.taps();
         for (std::size_t group = 0; group < kernel.groups; ++group) {
             pixel_moments seen(taps, of_group), held_out(taps, of_group);
-            add_pixels(step, kernel, exact, group, seen, held_out);
+            add_pixels(step, exact, group, seen, held_out);
             if (seen.empty() || held_out.empty())
                 continue;
             filter_rounding best(seen, taps);
@@ -107,12 +105,11 @@ private:
         const float scale = of_step[all + kernel.filters + filter];
         std::vector<float> rounded(taps), fitted(taps);
         for (std::size_t t = 0; t < taps; ++t)
-            rounded[t] = static_cast<float>(quantised(weights[t], static_cast<double>(scale))) * scale;
+            rounded[t] = rounded_weight(weights[t], scale);
         best.round(in_group, weights, scale, fitted);
         const auto fitted_bias = static_cast<float>(seen.best_bias(in_group, fitted));
-        const double largest_input = net_.maps[step.input].range == 0 ? largest_word : largest_byte;
         const bool fits = filter_of(fitted.data(), taps, static_cast<double>(fitted_bias), scale,
-                                    net_.ranges_of(step, ranges_), kernel.accumulates, largest_input, 0)
+                                    net_.ranges_of(step, ranges_), kernel.accumulates, step.largest_input, 0)
                               .fits();
         if (!fits || !(held_out.error(in_group, fitted, static_cast<double>(fitted_bias)) <
                        held_out.error(in_group, rounded, static_cast<double>(bias))))
@@ -122,9 +119,9 @@ private:
     }
 
     /// Adds the pixels of all images, or evenly spaced ones where there are more than enough.
-    void add_pixels(const graph_node& step, const kernels::frame_convolution& kernel,
-                    const convolution_reference& exact, std::size_t group, pixel_moments& seen,
-                    pixel_moments& held_out) const {
+    void add_pixels(const graph_node& step, const convolution_reference& exact, std::size_t group,
+                    pixel_moments& seen, pixel_moments& held_out) const {
+        const kernels::frame_convolution& kernel = *step.convolution;
         const std::size_t rows = kernel.window.output_rows(), columns = kernel.window.output_columns();
         const std::size_t every =
             pixel_stride(images_, rows * columns, std::max(pixels_of_tap * kernel.taps(), fewest_pixels));

@@ -81,8 +81,7 @@ part_name(const std::string& name, const char* part, std::size_t place = 0) {
             const std::size_t of_one = weights->size / scales->size;
             for (std::size_t i = 0; i < weights->size; ++i) {
                 float& weight = folded[weights->offset + i];
-                const float scale = folded[scales->offset + i / of_one];
-                weight = static_cast<float>(detail::quantised(weight, static_cast<double>(scale))) * scale;
+                weight = detail::rounded_weight(weight, folded[scales->offset + i / of_one]);
             }
         }
 }

@@ -34,7 +34,6 @@ struct convolution_step<eight_bit_between<Input, Output>, Kernel>
                                           Kernel.accumulates ? range_of_added : folded_array{},
                                           writes_bytes ? range_of_output : folded_array{}};
     static constexpr std::size_t folded_elements = arrays.numbers();
-    /// The largest magnitude of an input.
     static constexpr double largest_input = std::is_same_v<Input, std::uint8_t> ? 255 : 32768;
 
 private:

@@ -33,8 +33,7 @@ public:
             for (std::size_t t = 0; t < taps; ++t) {
                 const float weight = folded[f * taps + t];
                 weights_[(group * taps + t) * padded_ + place % padded_] =
-                    rounded ? static_cast<float>(quantised(weight, static_cast<double>(scale))) * scale
-                            : weight;
+                    rounded ? rounded_weight(weight, scale) : weight;
             }
         }
     }

@@ -49,18 +49,10 @@ struct frame_stream_step : byte_stream_step<Format, Output, Exact> {
     }
     static map_range set_ranges(float* folded, const map_range& input, const map_range*& next) {
         const step_ranges ranges{input, {}, OwnRange ? *next++ : input};
-        if constexpr (requires { &Step::set_ranges; })
-            Step::set_ranges(folded, ranges);
-        else
-            Step::arrays.write_ranges(folded, ranges);
+        write_ranges<Step>(folded, ranges);
         return ranges.output;
     }
-    static void visit_arrays(auto&& to) {
-        if constexpr (requires { Step::largest_input; })
-            to("", Step::arrays, Step::largest_input);
-        else
-            to("", Step::arrays, 0);
-    }
+    static void visit_arrays(auto&& to) { to("", Step::arrays, Step::largest_input); }
     static constexpr void pack(const float* folded, std::int8_t* packed) { Step::pack(folded, packed); }
     static void run(const std::int8_t* packed, const std::uint8_t* in, state&, std::uint8_t* out,
                     std::uint8_t* memory) noexcept {
