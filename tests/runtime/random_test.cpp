@@ -4,7 +4,7 @@
 #include <tactnet/features/k_means.hpp>
 #include <tactnet/image/augmentation.hpp>
 #include <tactnet/image/noise.hpp>
-#include <tactnet/operators/dropout/layer.hpp>
+#include <tactnet/operators/dropout/training.hpp>
 #include <tactnet/simulation/effect.hpp>
 #include <tactnet/simulation/objects/object.hpp>
 #include <tactnet/training/initialise.hpp>

@@ -239,7 +239,7 @@ TEST_CASE("tekscan_binary_records: numbers and times, in any pieces") {
                 CHECK(!records.whole());
                 const auto rest = std::span(bytes).subspan(at);
                 // More than the record has: it leaves what is not its own.
-                const std::size_t taken = records.take(rest.first(std::min(piece, rest.size())));
+                const std::size_t taken = records.consume(rest.first(std::min(piece, rest.size())));
                 CHECK(taken == std::min(piece, length - at));
                 at += taken;
             }
@@ -258,7 +258,7 @@ TEST_CASE("tekscan_binary_records: unknown ones and a time of day of another len
     tekscan_binary_records records;
     for (const auto& [tag, length] : {std::pair<std::uint16_t, std::uint16_t>{7, 5}, {16, 4}, {9, 0}}) {
         records.announce(tag, length);
-        CHECK(records.take(bytes) == length);
+        CHECK(records.consume(bytes) == length);
         CHECK(records.whole());
     }
     CHECK(!records.number);
