@@ -7,7 +7,7 @@
 #include <tactnet/decision/gain_monitor.hpp>
 #include <tactnet/decision/prediction_set.hpp>
 #include <tactnet/decision/reliability_diagram.hpp>
-#include <tactnet/runtime/saved_state.hpp>
 #include <tactnet/decision/sensor_health.hpp>
 #include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/decision/touch_evidence.hpp>
+#include <tactnet/runtime/saved_state.hpp>

@@ -223,7 +223,7 @@ constexpr std::size_t bytes = deployed_stream<net, eight_bit>::weight_bytes;
 #endif
 
 #ifdef CASE_eight_bit_stream_without_weights
-// expect: deploy_stream: in 8 bits, the network needs a layer with weights
+// expect: deploy_stream: the network needs a layer with weights
 // at-most: 2
 using net = network<shape{20, 1, 3}, last_frame>;
 constexpr std::size_t bytes = deployed_stream<net, eight_bit>::weight_bytes;

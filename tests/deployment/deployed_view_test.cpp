@@ -146,7 +146,7 @@ void check_features() {
     model<Network> trained;
     initialise(trained.network, he_normal{}, 3);
     for (std::size_t c = 0; c < Network::outputs; ++c)
-        trained.classes.push_back("object");
+        trained.classes.push_back("object " + std::to_string(c));
     std::vector<float> weights, biases;
     trained.network.for_each_parameter([&](const parameter& p, std::span<const float> values) {
         if (p.name == "fc.weight")

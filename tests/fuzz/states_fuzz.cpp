@@ -16,6 +16,7 @@
 #include <cstdlib>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -162,7 +163,11 @@ std::vector<std::vector<std::uint8_t>> fuzz_seeds() {
     };
     float_stream floats;
     byte_stream words;
-    words.memory.first.next = 1;
+    bool first = true; // ring of frames
+    tactnet::detail::visit_stream_state(words.memory, [&](auto& number, double) {
+        if constexpr (std::is_same_v<decltype(number), std::uint32_t&>)
+            number = std::exchange(first, false) ? 1 : 0;
+    });
     add(saved(floats)), add(saved(words));
     add(saved(worn)), add(saved(some)), add(saved(map{{1, 2, 3, 4, 5, 6}, {-1, 0.5f}}));
     return seeds;

@@ -40,7 +40,7 @@ TEST_CASE("stream_calibration: ranges are those of the sequences") {
     std::vector<float> all = drawn_samples(3);
     all[77] = -5; // the largest magnitude of the second feature
     const stream_calibration<net> found(drawn(), all);
-    const folded_layout layout = eight_bit_stream_plan<net>::layout();
+    const folded_layout layout = folded_layout_of<deployed_stream<net, eight_bit>::view_type>();
     const auto range = [&](std::size_t step, const char* name) {
         return map_range::read(&found.folded()[layout.steps[step].find(name)->offset]);
     };
@@ -110,7 +110,7 @@ TEST_CASE("stream_calibration: each sequence begins anew") {
     // Half of a frame, half of the one before, and a bias of a half: 2.5 if the second sequence went on.
     const std::vector<float> all{0, 0, 0, 2, 2, 0, 0, 0};
     const stream_calibration<pairs> found(network, all);
-    const folded_layout layout = eight_bit_stream_plan<pairs>::layout();
+    const folded_layout layout = folded_layout_of<deployed_stream<pairs, eight_bit>::view_type>();
     CHECK(map_range::read(&found.folded()[layout.steps[1].find("output")->offset]).scale == 1.5F / 255);
 }
 

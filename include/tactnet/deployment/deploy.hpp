@@ -24,14 +24,14 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// `require<View>(folded)` throws std::invalid_argument for finite numbers that a format cannot hold. 8 bits
-/// specialise it in deployment/eight_bit.
+/// `require<View>(call, folded)` throws std::invalid_argument for finite numbers that a format cannot hold. 8
+/// bits specialise it in deployment/eight_bit.
 template <class Format>
 struct folded_check;
 template <>
 struct folded_check<single_precision> {
     template <class View>
-    static void require(std::span<const float>) {}
+    static void require(const char*, std::span<const float>) {}
 };
 
 // Wrong arguments are reported out of line, compiled once for networks of all types.
@@ -116,7 +116,7 @@ public:
                 detail::throw_folded(folded[i], i);
             folded_[i] = folded[i];
         }
-        detail::folded_check<Format>::template require<view_type>(folded);
+        detail::folded_check<Format>::template require<view_type>("deploy", folded);
         view_type::pack(folded_.data(), packed_.data());
     }
 

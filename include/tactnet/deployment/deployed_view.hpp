@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/frame_ref.hpp>
+#include <tactnet/deployment/packed_steps.hpp>
 #include <tactnet/deployment/refused_call.hpp>
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame/elementwise.hpp>
@@ -65,8 +66,6 @@ struct input_stage<single_precision, Input> {
 /// [channel][row][column].
 template <shape Output, std::size_t Stride>
 struct output_stage<single_precision, Output, Stride> {
-    static constexpr std::size_t map =
-        pad_to_cache_line(Output.area() * Stride); ///< elements of the last map
     /// Whether all outputs are finite.
     static bool write(const float* out, std::span<float, Output.size()> to) noexcept {
         std::uint32_t out_of_range = 0;
@@ -93,31 +92,22 @@ concept fits_stack = (Needed <= AtMost);
 ///
 /// `Steps` is a step_chain whose input lies pixel by pixel without gaps.
 template <shape Input, class Steps>
-class deployed_view : detail::refused_calls<Input, Steps::output.size()> {
+class deployed_view : public detail::packed_steps<input_stage<typename Steps::format, Input>, Steps>,
+                      detail::refused_calls<Input, Steps::output.size()> {
     static_assert(
         Steps::fills_map,
         "deployed_view: the last step writes only some channels of a wider map, which no step reads");
-    using format = typename Steps::format;
-    using packed_number = typename format::packed_number;
-    using input = input_stage<format, Input>;
+    using base = detail::packed_steps<input_stage<typename Steps::format, Input>, Steps>;
+    using typename base::format, typename base::packed_number;
+    using typename base::input;
     using output = output_stage<format, Steps::output, Steps::output_stride>;
+    using base::packed_, base::classes_, base::output_map;
 
 public:
-    using steps = Steps;
-    using activation = typename format::activation; ///< an element of the maps between layers
+    using base::outputs, base::workspace_elements;
+    using typename base::activation, typename base::packed_weights;
     static constexpr shape input_shape = Input, output_shape = Steps::output;
-    static constexpr std::size_t outputs = output_shape.size();
 
-    /// Folded numbers are the mean image, the scale of the input and its largest magnitude (see
-    /// `not_finite`), then the parameters once batch norms are folded in. They are the same on every machine.
-    static constexpr std::size_t steps_folded = input::folded_elements,
-                                 folded_elements = steps_folded + Steps::folded_elements;
-    /// Packed weights are the folded numbers in the order of use, for one instruction set.
-    static constexpr std::size_t packed_elements = input::packed_elements + Steps::packed_elements;
-    static constexpr std::size_t weight_bytes = packed_elements * sizeof(packed_number);
-
-    /// Elements of a workspace, of which infer_batch needs one for each frame or thread, whichever are more.
-    static constexpr std::size_t workspace_elements = input::map + output::map + Steps::workspace_elements;
     /// Memory for one call. Nothing in it outlives the call.
     struct workspace {
         alignas(vector_alignment) std::array<activation, workspace_elements> elements;
@@ -128,26 +118,11 @@ public:
     /// Whether to prefer layer-wise batching, and all threads for one frame.
     static constexpr bool layerwise = Steps::layerwise;
 
-    /// Packed weights as a value, for a constant of a program.
-    struct packed_weights {
-        alignas(vector_alignment) std::array<packed_number, packed_elements> elements{};
-    };
-    /// Packs folded_elements numbers. `packed` holds packed_elements zeros.
-    static constexpr void pack(const float* folded, packed_number* packed) {
-        input::pack(folded, packed);
-        Steps::pack(folded + input::folded_elements, packed + input::packed_elements);
-    }
-    [[nodiscard]] static constexpr packed_weights pack(const std::array<float, folded_elements>& folded) {
-        packed_weights result;
-        pack(folded.data(), result.elements.data());
-        return result;
-    }
-
     /// `packed` must outlive the view and be aligned to `vector_alignment`. Only the first `classes` outputs
     /// stand for a class. Logits are divided by the temperature for probabilities.
     constexpr explicit deployed_view(const packed_number* packed, std::size_t classes = outputs,
                                      double temperature = 1) noexcept
-        : packed_(packed), classes_(classes), temperature_(temperature) {}
+        : base(packed, classes), temperature_(temperature) {}
     constexpr explicit deployed_view(const packed_weights& weights, std::size_t classes = outputs,
                                      double temperature = 1) noexcept
         : deployed_view(weights.elements.data(), classes, temperature) {}
@@ -163,7 +138,7 @@ public:
         activation* const in = memory.elements.data();
         activation* const out = in + input::map;
         const bool in_range = read(frame, in);
-        Steps::run(packed_ + input::packed_elements, in, out, out + output::map);
+        Steps::run(packed_ + input::packed_elements, in, out, out + output_map);
         return output::write(out, to) && in_range ? frame_status::ok : frame_status::not_finite;
     }
     /// As above, with a workspace on the stack.
@@ -203,14 +178,12 @@ public:
         using before = typename Steps::penultimate;
         static_assert(before::number_elements == 1, "read_features: the last layer reads no single numbers");
         const activation* const map =
-            memory.elements.data() + input::map + output::map + Steps::before_last_map;
+            memory.elements.data() + input::map + output_map + Steps::before_last_map;
         for (std::size_t channel = 0; channel < before::output.channels; ++channel)
             for (std::size_t pixel = 0; pixel < before::output.area(); ++pixel)
                 to[channel * before::output.area() + pixel] =
                     static_cast<float>(map[pixel * before::output_stride + channel]);
     }
-    /// How many outputs stand for a class: the first ones.
-    [[nodiscard]] constexpr std::size_t class_count() const noexcept { return classes_; }
 
 private:
     friend detail::batch_inference<deployed_view>;
@@ -235,10 +208,10 @@ private:
         executor.for_each_frame(
             [&](std::size_t i) { check(i, read(frames[first + i], in + i * input::map)); });
         Steps::run_batch(packed_ + input::packed_elements, in, input::map, out,
-                         out + executor.copies() * output::map, executor);
+                         out + executor.copies() * output_map, executor);
         executor.for_each_frame([&](std::size_t i) {
             check(i,
-                  output::write(out + i * output::map, std::span<float, outputs>(to + i * outputs, outputs)));
+                  output::write(out + i * output_map, std::span<float, outputs>(to + i * outputs, outputs)));
         });
         return in_range ? frame_status::ok : frame_status::not_finite;
     }
@@ -253,8 +226,6 @@ private:
                       "from the heap; fits_stack shows bytes needed, bytes at most");
     }
 
-    const packed_number* packed_;
-    std::size_t classes_;
     double temperature_;
 };
 

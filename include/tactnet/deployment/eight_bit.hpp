@@ -30,8 +30,11 @@ struct layout_visitor {
     [[gnu::cold]] void operator()(const char*, const char*, const Arguments&... arguments) {
         if constexpr ((is_inner_step<Arguments> || ...))
             (append_inner(arguments), ...);
+        else if constexpr (requires { Step::visit_parts([](const auto&...) {}); })
+            Step::visit_parts([&](const auto&... parts) { (append_inner(parts), ...); });
         else if constexpr (requires { Step::arrays; })
-            append_step(to, name, Step::arrays, Step::largest_input);
+            append_step(
+                to, name, Step::arrays, Step::largest_input, requires { Step::adds; });
         else
             static_assert(Step::folded_elements == 0,
                           "a step in 8 bits with folded numbers must list its arrays");
@@ -49,11 +52,15 @@ private:
 
 } // namespace detail
 
-/// The layout of a deployed_view in 8 bits.
+/// The layout of a deployed_view or a stream_view in 8 bits.
 template <class View>
 [[nodiscard]] [[gnu::cold, gnu::noinline]] folded_layout folded_layout_of() {
     using last = typename View::steps::template at<View::steps::size - 1>;
-    folded_layout layout{View::input_shape, View::outputs, View::steps_folded, View::steps_folded, false, {}};
+    folded_layout layout{View::input_shape, View::outputs, 0, 0, false, {}};
+    if constexpr (requires { View::input_type::arrays; }) // of a stream
+        detail::append_step(layout, "frame", View::input_type::arrays, 0);
+    else
+        layout.steps_folded = layout.numbers = View::steps_folded;
     step_description<typename View::steps>::visit(detail::layout_visitor<typename View::steps>{layout, {}});
     layout.ends_in_weights = requires { last::weights; } && last::output.area() == 1;
     return layout;
@@ -72,8 +79,8 @@ namespace detail {
 template <>
 struct folded_check<eight_bit> {
     template <class View>
-    static void require(std::span<const float> folded) {
-        require_no_problem("deploy", folded_layout_of<View>(), folded);
+    static void require(const char* call, std::span<const float> folded) {
+        require_no_problem(call, folded_layout_of<View>(), folded);
     }
 };
 

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <type_traits>
 
 // The state of a stream as bytes that outlive the program. Nothing here uses the heap or throws.
 
@@ -15,38 +14,31 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 namespace detail {
 
 /// Calls visit(number, most) for each number of a stream's state, in order; none has a larger magnitude. That
-/// of recurrent layers is the bound of deployed_stream (recurrent_stream_step::output_bound).
+/// of recurrent layers is the bound of deployed_stream (recurrent_step::output_bound).
 template <class State, class Visit>
 void visit_stream_state(State& state, const Visit& visit) noexcept {
-    if constexpr (requires { state.first; }) { // of two steps
-        visit_stream_state(state.first, visit);
-        visit_stream_state(state.rest, visit);
-    } else if constexpr (requires { state.of_main; }) { // of two branches
-        visit_stream_state(state.of_main, visit);
-        visit_stream_state(state.of_skip, visit);
-    } else if constexpr (requires { state.elements; }) {
+    if constexpr (requires { state.elements; }) {
         constexpr bool ring = requires { state.next; };
         for (auto& element : state.elements)
             visit(element, ring ? double{std::numeric_limits<float>::max()} : 0x1p24);
         if constexpr (ring)
             visit(state.next, static_cast<double>(State::frames - 1));
     } else {
-        static_assert(std::is_empty_v<State>, "stream_state: a state of this kind is not known");
+        State::visit_states(state, [&](auto& inner) { visit_stream_state(inner, visit); });
     }
 }
 template <class State>
 [[nodiscard]] constexpr std::size_t stream_state_numbers() {
-    if constexpr (requires(State state) { state.first; })
-        return stream_state_numbers<decltype(State::first)>() + stream_state_numbers<decltype(State::rest)>();
-    else if constexpr (requires(State state) { state.of_main; })
-        return stream_state_numbers<decltype(State::of_main)>() +
-               stream_state_numbers<decltype(State::of_skip)>();
-    else if constexpr (requires(State state) { state.next; })
+    if constexpr (requires(State state) { state.next; })
         return sizeof(State::elements) + sizeof(State::next);
     else if constexpr (requires(State state) { state.elements; })
         return sizeof(State::elements);
-    else
-        return 0;
+    std::size_t bytes = 0;
+    if constexpr (!requires(State state) { state.elements; }) {
+        State state{};
+        State::visit_states(state, [&]<class Inner>(Inner&) { bytes += stream_state_numbers<Inner>(); });
+    }
+    return bytes;
 }
 template <class State>
 inline constexpr state_header stream_state_header{

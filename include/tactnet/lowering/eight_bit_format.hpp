@@ -27,8 +27,7 @@ struct eight_bit_between {
     static constexpr bool has_output_format = true;
     static constexpr bool fuses_functions = false; ///< they are tables of bytes
     /// Declares the steps in this format, for exported headers.
-    static constexpr const char *steps_header = "tactnet/deployment/eight_bit/steps.hpp",
-                                *stream_steps_header = "tactnet/deployment/eight_bit/streaming/steps.hpp";
+    static constexpr const char* steps_header = "tactnet/deployment/eight_bit/steps.hpp";
 };
 /// The number format of 8 bits: bytes between layers, floats at the outputs.
 using eight_bit = eight_bit_between<std::uint8_t, std::uint8_t>;

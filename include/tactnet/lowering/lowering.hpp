@@ -37,8 +37,11 @@
 //   slice<Stride, Offset>          the lowered layer that does
 //   as_output                      the lowered layer that writes the outputs of the network, in formats that
 //                                  write them otherwise than maps
-// In such formats a layer may have `output_fused<Lowered>`: a lowered layer, and this layer applied to its
-// outputs, which are floats.
+//   in_stream<Place>               of the lowering: whether `deploy_stream` can run it frame by frame, with
+//   the
+//                                  bits of the layer in a batch
+// In formats that write outputs otherwise a layer may have `output_fused<Lowered>`: a lowered layer, and this
+// layer applied to its outputs, which are floats.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
@@ -59,14 +62,21 @@ struct parameter_source {
 };
 
 /// The place of a layer: layer `Index` of a list that is bound to its input, deployed in a number format. Its
-/// input has `InputStride` elements from one pixel to the next.
-template <class Format, class Layers, std::size_t Index, std::size_t InputStride>
+/// input has `InputStride` elements from one pixel to the next. In a stream, which runs frame by frame,
+/// `Frames` is the number of frames of the network's sequences; otherwise it is 0.
+template <class Format, class Layers, std::size_t Index, std::size_t InputStride, std::size_t Frames = 0>
 struct layer_place {
     using format = Format;
     using layer = typename Layers::template at<Index>;
-    static constexpr std::size_t input_stride = InputStride;
+    static constexpr std::size_t input_stride = InputStride, frames = Frames;
+    static constexpr bool in_stream = Frames > 0;
+    /// The map that the layer's step reads and the one that it writes.
+    static constexpr shape input = in_stream ? shape{1, 1, layer::input.channels} : layer::input,
+                           output = in_stream ? shape{1, 1, layer::output.channels} : layer::output;
+    /// Whether the step reads the frame, in a format in which that holds other numbers than maps.
+    static constexpr bool reads_frame = !std::is_same_v<Format, typename Format::hidden_format>;
     /// This layer as the last one, which writes the outputs of the network.
-    using as_output = layer_place<typename Format::output_format, Layers, Index, InputStride>;
+    using as_output = layer_place<typename Format::output_format, Layers, Index, InputStride, Frames>;
 
     /// The layer's own parameters.
     [[nodiscard]] static parameter_source parameters(const parameter_source& list) {
@@ -131,5 +141,9 @@ template <class Spec, class Rectified>
 /// A layer that can be deployed.
 template <class Spec>
 concept has_lowering = inference_no_op<Spec> || requires { sizeof(lowering<Spec>); };
+/// A layer that `deploy_stream` can run frame by frame at this place.
+template <class Spec, class Place>
+concept runs_in_streams =
+    inference_no_op<Spec> || requires { requires lowering<Spec>::template in_stream<Place>; };
 
 }} // namespace tactnet

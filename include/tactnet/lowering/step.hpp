@@ -9,6 +9,7 @@
 #include <concepts>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 // What a deployed network does, step by step. A step stands for one or several layers and knows only sizes.
 // Its constants:
@@ -37,6 +38,10 @@
 // A step with neither run_share nor run_batch computes one frame at a time. In every map, lanes beyond the
 // last channel of a pixel hold zeros.
 //
+// In a stream, whose frames are maps {1, 1, features}, a step may remember something from frame to frame: its
+// `state`, a plain struct, whose initial value begins a recording. `run` then has it as one more argument,
+// the last.
+//
 // The headers in this folder need neither exceptions nor run-time type information nor files.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
@@ -56,6 +61,9 @@ struct single_precision {
 /// Reads a frame into the map of the first step. Specialised for each number format.
 template <class Format, shape Input>
 struct input_stage;
+/// The same for a frame of a stream.
+template <class Format, std::size_t Features>
+struct stream_input_stage;
 /// Writes the map of the last step as outputs. Specialised for each number format.
 template <class Format, shape Output, std::size_t Stride>
 struct output_stage;
@@ -70,22 +78,84 @@ struct step_defaults {
     static constexpr double largest_output = std::numeric_limits<double>::infinity(), largest_input = 0;
 };
 
+/// A step that remembers something from frame to frame of a stream.
+template <class Step>
+concept has_state = requires { typename Step::state; };
+
+namespace detail {
+
+template <class Step, class... State>
+concept runs =
+    requires(const typename Step::format::packed_number* packed, const typename Step::format::activation* in,
+             typename Step::format::activation* out, State&... state) {
+        { Step::run(packed, in, out, out, state...) } noexcept;
+    };
+template <class Step>
+concept runs_with_state = runs<Step, typename Step::state>;
+
+} // namespace detail
+
 /// The requirements on a step, as above.
 template <class Step>
-concept deployed_step = requires(const float* folded, typename Step::format::packed_number* to,
-                                 const typename Step::format::packed_number* packed,
-                                 const typename Step::format::activation* in,
-                                 typename Step::format::activation* out) {
-    { Step::output } -> std::convertible_to<shape>;
-    {
-        Step::output_stride + Step::folded_elements + Step::packed_elements + Step::workspace_elements
-    } -> std::convertible_to<std::size_t>;
-    { Step::layerwise || Step::fills_map || Step::gives_probabilities } -> std::convertible_to<bool>;
-    Step::pack(folded, to);
-    { Step::run(packed, in, out, out) } noexcept;
-} && (!std::same_as<typename Step::format, single_precision> || requires(const float* folded) {
-                            { Step::output_bound(folded, 1.0) } -> std::same_as<double>;
-                        });
+concept deployed_step =
+    requires(const float* folded, typename Step::format::packed_number* to) {
+        { Step::output } -> std::convertible_to<shape>;
+        {
+            Step::output_stride + Step::folded_elements + Step::packed_elements + Step::workspace_elements
+        } -> std::convertible_to<std::size_t>;
+        { Step::layerwise || Step::fills_map || Step::gives_probabilities } -> std::convertible_to<bool>;
+        Step::pack(folded, to);
+    } &&
+    (detail::runs_with_state<Step> || detail::runs<Step>)&&(
+        !std::same_as<typename Step::format, single_precision> || requires(const float* folded) {
+            { Step::output_bound(folded, 1.0) } -> std::same_as<double>;
+        });
+
+namespace detail {
+
+template <std::size_t I, class Step>
+struct state_of_step {};
+template <std::size_t I, has_state Step>
+struct state_of_step<I, Step> {
+    [[no_unique_address]] typename Step::state value{};
+};
+template <class Indices, class... Steps>
+struct states_of_steps;
+template <std::size_t... I, class... Steps>
+struct states_of_steps<std::index_sequence<I...>, Steps...> : state_of_step<I, Steps>... {
+    /// Calls visit(state) for each step that has one, in order. `all` is one of these, constant or not.
+    static constexpr void visit_states(auto& all, const auto& visit) {
+        (visit_one<I, Steps>(all, visit), ...);
+    }
+
+private:
+    template <std::size_t J, class Step>
+    static constexpr void visit_one(auto& all, const auto& visit) {
+        using part [[maybe_unused]] = state_of_step<J, Step>;
+        if constexpr (has_state<Step>)
+            visit(all.part::value);
+    }
+};
+
+/// The base of steps that consist of these ones: its state is theirs.
+template <class... Steps>
+struct joined_state {};
+template <class... Steps>
+    requires(has_state<Steps> || ...)
+struct joined_state<Steps...> {
+    struct state : states_of_steps<std::index_sequence_for<Steps...>, Steps...> {};
+};
+/// Runs step I of those. `states` is their joined state, or nothing if they have none.
+template <std::size_t I, class Step>
+[[gnu::always_inline]] inline void run_step(const auto* packed, const auto* in, auto* out, auto* memory,
+                                            auto&... states) noexcept {
+    if constexpr (has_state<Step>)
+        Step::run(packed, in, out, memory, static_cast<state_of_step<I, Step>&>(states).value...);
+    else
+        Step::run(packed, in, out, memory);
+}
+
+} // namespace detail
 
 /// The base of steps that write a map of this shape. It has no parameters: steps with parameters hide its
 /// members. A step whose outputs can exceed its inputs defines an output_bound of its own.
@@ -100,17 +170,22 @@ struct step_base : step_defaults {
 
 namespace detail {
 
-/// The largest |bias| + input · Σ |weight| of all outputs. `weights` holds [output][weight], then biases.
-[[nodiscard]] inline double largest_sum(const float* weights, std::size_t outputs, std::size_t of_one,
-                                        double input) {
+/// The largest |bias| + input · Σ |weight| of all outputs. `weights` holds [output][weight].
+[[nodiscard]] inline double largest_sum(const float* weights, const float* biases, std::size_t outputs,
+                                        std::size_t of_one, double input) {
     double most = 0;
     for (std::size_t o = 0; o < outputs; ++o) {
         double sum = 0;
         for (std::size_t i = 0; i < of_one; ++i)
             sum += std::abs(static_cast<double>(weights[o * of_one + i]));
-        most = std::max(most, sum * input + std::abs(static_cast<double>(weights[outputs * of_one + o])));
+        most = std::max(most, sum * input + std::abs(static_cast<double>(biases[o])));
     }
     return most;
+}
+/// The same for biases after the weights.
+[[nodiscard]] inline double largest_sum(const float* weights, std::size_t outputs, std::size_t of_one,
+                                        double input) {
+    return largest_sum(weights, weights + outputs * of_one, outputs, of_one, input);
 }
 
 } // namespace detail

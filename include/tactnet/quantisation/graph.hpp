@@ -4,8 +4,10 @@
 #include <tactnet/lowering/eight_bit_format.hpp>
 #include <tactnet/tensor/shape.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 // A network in 8 bits as a graph of numbers, so that calibration is compiled once for all networks.
@@ -41,7 +43,9 @@ struct calibration_graph {
     static constexpr std::size_t none = graph_node::none;
     std::vector<feature_map> maps;
     std::vector<graph_node> nodes;
-    std::size_t ranges = 1;  ///< how many there are
+    std::size_t ranges = 1; ///< how many there are
+    /// Those that steps give themselves.
+    std::vector<std::pair<std::size_t, map_range>> given{};
     std::size_t numbers = 0; ///< of all maps
 
     /// Appends a map and returns its index.
@@ -64,7 +68,25 @@ struct calibration_graph {
     }
     /// The range of a map, or (1, 0) if it has none.
     [[nodiscard]] map_range range_of(std::size_t map, std::span<const map_range> of_maps) const {
-        return map == none || maps[map].range == none ? map_range{} : of_maps[maps[map].range];
+        if (map == none || maps[map].range == none)
+            return {};
+        for (const auto& [range, value] : given)
+            if (range == maps[map].range)
+                return value;
+        return of_maps[maps[map].range];
+    }
+    /// Of each range that calibration finds: its index, and that of its step in the order of folded numbers.
+    [[nodiscard]] [[gnu::cold]] std::vector<std::pair<std::size_t, std::size_t>> observed_ranges() const {
+        std::vector<std::pair<std::size_t, std::size_t>> found;
+        for (const graph_node& node : nodes) {
+            const std::size_t range = maps[node.output].range;
+            const auto before = [&](const graph_node& other) { return other.folded < node.folded; };
+            const auto is_range = [&](const auto& one) { return one.first == range; };
+            if (range != none && range != maps[node.input].range &&
+                std::none_of(given.begin(), given.end(), is_range))
+                found.emplace_back(range, std::count_if(nodes.begin(), nodes.end(), before));
+        }
+        return found;
     }
     /// The ranges of the maps of a step.
     [[nodiscard]] step_ranges ranges_of(const graph_node& step, std::span<const map_range> of_maps) const {

@@ -96,14 +96,16 @@ private:
     [[gnu::cold]] std::size_t add(std::size_t input, std::size_t into) {
         graph_node step{.largest_input = Step::largest_input, .input = input, .folded = folded_};
         std::size_t range = Step::number_elements == 1 ? net_.maps[input].range : none;
-        if constexpr (requires { Step::arrays; }) {
+        if constexpr (requires { Step::output_range; })
+            range = net_.ranges++, net_.given.emplace_back(range, Step::output_range);
+        else if constexpr (requires { Step::arrays; })
             if (Step::arrays.has_output_range())
                 range = net_.ranges++;
+        if constexpr (Step::folded_elements > 0)
             step.set_ranges = &write_ranges<Step>;
-        }
         if constexpr (requires { Step::kernel; })
             step.convolution = &Step::kernel;
-        else
+        else if constexpr (!has_state<Step>) // stream_observer runs those
             step.reference = reference_of<Step>();
         step.output = into == none ? net_.add_map(Step::output, range) : into;
         push(step, Step::folded_elements);
@@ -132,7 +134,7 @@ private:
 
 } // namespace detail
 
-/// The calibration graph of a deployed_view in 8 bits.
+/// The calibration graph of a deployed_view or a stream_view in 8 bits.
 template <class View>
 [[nodiscard]] [[gnu::cold]] detail::calibration_graph calibration_graph_of() {
     detail::graph_builder builder(View::input_shape, View::steps_folded);

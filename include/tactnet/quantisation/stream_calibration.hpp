@@ -1,5 +1,9 @@
 #pragma once
 
+#include <tactnet/deployment/eight_bit.hpp>
+#include <tactnet/deployment/stream.hpp>
+#include <tactnet/operators/lowering.hpp>
+#include <tactnet/quantisation/graph_of.hpp>
 #include <tactnet/quantisation/stream_observer.hpp>
 #include <tactnet/text/message.hpp>
 
@@ -20,8 +24,9 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// nearest.
 template <class Network>
 class stream_calibration {
-    using plan = eight_bit_stream_plan<Network>;
-    using steps = typename plan::steps;
+    using lowered = typename lowered_stream<Network, eight_bit>::type;
+    using exact_layers = typename lowered_stream<Network>::type;
+    using view = typename deployed_stream<Network, eight_bit>::view_type;
     static constexpr shape input = Network::input_shape;
 
 public:
@@ -32,22 +37,26 @@ public:
     /// the first frame to the last. Throws std::invalid_argument unless there is at least one whole sequence,
     /// and if a number of the network or of a sequence, or what they give, is not finite.
     [[gnu::cold]] stream_calibration(const Network& network, std::span<const float> sequences)
-        : folded_(plan::folded_elements) {
-        static_assert(std::is_same_v<typename Network::value_type, float>,
-                      "deploy_stream: the network must be in single precision");
+        : folded_(view::folded_elements), graph_(calibration_graph_of<view>()) {
         if (sequences.empty() || sequences.size() % input.size() != 0)
             detail::throw_invalid_argument({"deploy_stream: expected one or more calibration sequences of ",
                                             input.size(), " numbers, found ", sequences.size(), " numbers"});
-        const float* const values = network.learnable_values().data();
-        require_finite(network.learnable_values().first(Network::parameters), "parameters");
-        require_finite(sequences, "calibration sequences");
+        const std::span<const float> values = network.learnable_values().first(Network::parameters);
+        detail::require_finite(values, "parameters");
+        detail::require_finite(sequences, "calibration sequences");
         const std::vector<float> frames = frames_of(sequences);
-        detail::stream_observation found{input.rows};
-        const std::vector<float> exact = detail::stream_observer<steps>::run(values, frames, found);
-        require_finite(exact, "parameters and sequences");
-        require_finite({&found.out_of_range, 1}, "parameters and sequences");
+        std::vector<float> exact_folded(exact_layers::step::folded_elements);
+        exact_layers::fold({values.data(), nullptr, 0}, exact_folded.data());
+        detail::stream_observer observer(frames.size() / input.channels, input.rows);
+        const std::vector<float> exact =
+            observer.run(std::type_identity<typename exact_layers::step>{}, exact_folded.data(), frames);
+        std::vector<std::size_t> halvings;
+        for (const auto& [range, step] : graph_.observed_ranges()) {
+            const detail::stream_observation& seen = observer.observed()[step];
+            maps_.push_back(range), ranges_.emplace_back(seen.lowest, seen.highest);
+            halvings.push_back(seen.halvings);
+        }
         largest_ = largest_of(sequences);
-        ranges_ = std::move(found.ranges);
         fold(network.learnable_values());
         // Errors of so many frames say enough.
         constexpr std::size_t enough = std::max<std::size_t>(4096 / input.rows, 1);
@@ -61,11 +70,11 @@ public:
             right.insert(right.end(), exact.begin() + static_cast<std::ptrdiff_t>(chosen * outputs),
                          exact.begin() + static_cast<std::ptrdiff_t>((chosen + 1) * outputs));
         }
-        choose_ranges(network, some, right, halvings_of_features(frames), found.halvings);
+        choose_ranges(network, some, right, halvings_of_features(frames), halvings);
     }
     /// The folded numbers of the deployed stream; weights are whole multiples of their scales.
-    [[nodiscard]] std::span<const float, plan::folded_elements> folded() const {
-        return std::span<const float, plan::folded_elements>(folded_.data(), folded_.size());
+    [[nodiscard]] std::span<const float, view::folded_elements> folded() const {
+        return std::span<const float, view::folded_elements>(folded_.data(), folded_.size());
     }
 
 private:
@@ -82,17 +91,13 @@ private:
     [[gnu::cold]] void fold(std::span<const float> parameters) {
         write_word_steps();
         const std::vector<float> scaled = scaled_by_word_steps(parameters);
-        require_finite(scaled, "parameters and sequences");
-        std::vector<map_range> ranges;
-        for (const auto& [lowest, highest] : ranges_)
-            ranges.push_back(map_range::of(lowest, highest));
-        float* const of_steps = folded_.data() + input.channels;
-        steps::fold(scaled.data(), of_steps);
-        const map_range* next = ranges.data();
-        const map_range output = steps::set_ranges(of_steps, map_range{}, next);
-        if constexpr (!plan::writes_floats)
-            output.write(folded_.data() + plan::output_range);
-        round_weights(plan::layout(), folded_);
+        detail::require_finite(scaled, "parameters and sequences");
+        lowered::fold({scaled.data(), nullptr, 0}, folded_.data() + view::steps_folded);
+        std::vector<map_range> ranges(graph_.ranges);
+        for (std::size_t i = 0; i < maps_.size(); ++i)
+            ranges[maps_[i]] = map_range::of(ranges_[i].first, ranges_[i].second);
+        graph_.set_ranges(folded_.data(), ranges);
+        round_weights(folded_layout_of<view>(), folded_);
     }
     [[nodiscard]] [[gnu::cold]] std::vector<std::size_t>
     halvings_of_features(std::span<const float> frames) const {
@@ -101,7 +106,7 @@ private:
             std::vector<float> of_feature;
             for (std::size_t i = f; i < frames.size(); i += input.channels)
                 of_feature.push_back(frames[i]);
-            halvings.push_back(detail::stream_observation::halvings_of(of_feature));
+            halvings.push_back(detail::stream_observation(of_feature).halvings);
         }
         return halvings;
     }
@@ -212,17 +217,11 @@ private:
         }
         return frames;
     }
-    [[gnu::cold]] static void require_finite(std::span<const float> numbers, const char* what) {
-        for (const float number : numbers)
-            if (!(std::abs(number) <= detail::stream_observation::most))
-                detail::throw_invalid_argument({"deploy_stream: expected ", what,
-                                                " that give finite numbers up to 1e30, found ",
-                                                detail::short_number(static_cast<double>(number))});
-    }
-
     std::vector<float> folded_;
+    detail::calibration_graph graph_;
     std::vector<float> largest_;                      ///< of each feature
-    std::vector<std::pair<double, double>> ranges_{}; ///< of each map
+    std::vector<std::size_t> maps_;                   ///< indices of the ranges that are observed
+    std::vector<std::pair<double, double>> ranges_{}; ///< of each of them: lowest and highest number
 };
 
 /// Deploys a trained network of sequences in 8 bits, for frames as they come. `sequences` are training

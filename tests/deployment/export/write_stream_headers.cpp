@@ -2,7 +2,7 @@
 
 #include "streams.hpp"
 
-#include <tactnet/deployment/export/stream_header.hpp>
+#include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/io/write_file.hpp>
 
 #include <cstdio>

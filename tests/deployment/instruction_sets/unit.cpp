@@ -122,26 +122,27 @@ void append_whole(reduced_result& result, std::uint64_t seed) {
 template <class Network>
 void append_stream(reduced_result& result, std::uint64_t seed) {
     using stream_in_bytes = deployed_stream<Network, eight_bit>;
-    using plan = eight_bit_stream_plan<Network>;
+    using lowered = typename lowered_stream<Network, eight_bit>::type;
+    using view = typename stream_in_bytes::view_type;
     support::numbers draw(seed);
     const auto next = [&](float low, float high, float parts) {
         return std::round(draw.next(low * parts, high * parts)) / parts;
     };
-    std::vector<float> parameters(Network::parameters), folded(plan::folded_elements),
+    std::vector<float> parameters(Network::parameters), folded(stream_in_bytes::folded_elements),
         recording(6 * stream_in_bytes::features);
     for (float& number : parameters)
         number = next(-0.5f, 0.5f, 4096);
     for (float& number : recording)
         number = next(-2, 2, 4096);
-    std::vector<map_range> ranges;
-    while (ranges.size() < 16)
+    std::fill_n(folded.data(), stream_in_bytes::features, 1.0f / 4096);
+    lowered::fold({parameters.data(), nullptr, 0}, folded.data() + view::steps_folded);
+    const detail::calibration_graph net = calibration_graph_of<view>();
+    std::vector<map_range> ranges{{1.0f / 4096, 0}}; // of the words
+    while (ranges.size() < net.ranges)
         ranges.push_back({next(2, 6, 16) / 128, next(60, 200, 1)});
-    const map_range words{1.0f / 4096, 0}, *observed = ranges.data();
-    float* const of_steps = std::fill_n(folded.data(), stream_in_bytes::features, words.scale);
-    plan::steps::fold(parameters.data(), of_steps);
-    plan::steps::set_ranges(of_steps, words, observed);
+    net.set_ranges(folded.data(), ranges);
 
-    const stream_in_bytes stream{std::span<const float, plan::folded_elements>(folded)};
+    const stream_in_bytes stream{std::span<const float, stream_in_bytes::folded_elements>(folded)};
     typename stream_in_bytes::state memory;
     std::vector<float> out(6 * stream_in_bytes::outputs, NAN);
     result.as_reference =

@@ -5,7 +5,6 @@
 #include "decisions.hpp"
 
 #include <tactnet/deployment/export/deployed_header.hpp>
-#include <tactnet/deployment/export/stream_header.hpp>
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>

@@ -4,7 +4,7 @@
 // kernels/integer/recurrent.hpp and in deployment/eight_bit: plain loops in whole numbers of 64 bits, frame
 // by frame, with none of the library's kernels nor of its packing.
 
-#include <tactnet/deployment/eight_bit/stream.hpp>
+#include <tactnet/deployment/eight_bit.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -226,10 +226,10 @@ template <class Main, class Skip>
 struct reference_stream_step<tactnet::residual<Main, Skip>> {
     static stream_function make(const float*& from, stream_place& place) {
         stream_place of_main{place.channels, place.range, false, false}, of_skip = of_main;
-        auto main = reference_stream_step<tactnet::as_sequence<Main>>::make(from, of_main),
-             skip = reference_stream_step<tactnet::as_sequence<Skip>>::make(from, of_skip);
+        auto main = reference_stream_step<tactnet::as_sequence<Main>>::make(from, of_main);
         const reference_range a = reference_range::next(from), b = reference_range::next(from),
                               output = reference_range::next(from);
+        auto skip = reference_stream_step<tactnet::as_sequence<Skip>>::make(from, of_skip);
         place.channels = of_main.channels, place.range = output;
         const double unit = std::max(a.scale, b.scale) / 32767;
         const auto of_a = static_cast<std::int64_t>(std::nearbyint(a.scale / unit)),
@@ -255,7 +255,7 @@ struct reference_stream_list<> {
 template <bool Relu, class Spec, class... Rest>
 stream_function make_stream_chain(const float*& from, stream_place& place) {
     const bool last = place.last;
-    place.last = last && (tactnet::detail::changes_nothing_in_streams<Rest> && ...);
+    place.last = last && (tactnet::inference_no_op<Rest> && ...);
     place.relu = Relu;
     auto first = reference_stream_step<Spec>::make(from, place);
     place.last = last;
@@ -265,7 +265,7 @@ stream_function make_stream_chain(const float*& from, stream_place& place) {
 template <class Spec, class... Rest>
 struct reference_stream_list<Spec, Rest...> {
     static stream_function make(const float*& from, stream_place& place) {
-        if constexpr (tactnet::detail::changes_nothing_in_streams<Spec>)
+        if constexpr (tactnet::inference_no_op<Spec>)
             return reference_stream_list<Rest...>::make(from, place);
         else
             return make_stream_chain<false, Spec, Rest...>(from, place);
@@ -287,15 +287,13 @@ struct reference_stream_list<tactnet::dense<Outputs>, tactnet::relu, Rest...> {
 /// The outputs of a stream for a recording, frame after frame.
 template <class Network>
 std::vector<float> reference_stream_outputs(std::span<const float> folded, std::span<const float> recording) {
-    using plan = tactnet::eight_bit_stream_plan<Network>;
     constexpr std::size_t features = Network::input_shape.channels;
     const float* from = folded.data();
     std::vector<float> steps_per_unit;
     for (std::size_t f = 0; f < features; ++f)
         steps_per_unit.push_back(1 / *from++);
     stream_place place{features, {1, 0}, true, false};
-    auto run = reference_stream_step<
-        typename tactnet::detail::stream_logits<typename Network::specification>::type>::make(from, place);
+    auto run = reference_stream_step<typename Network::logit_specification>::make(from, place);
     std::vector<float> outputs;
     for (std::size_t first = 0; first < recording.size(); first += features) {
         stream_frame in;
@@ -304,9 +302,8 @@ std::vector<float> reference_stream_outputs(std::span<const float> folded, std::
             in.whole.push_back(static_cast<std::int64_t>(std::nearbyint(steps)));
         }
         const stream_frame out = run(in);
-        if constexpr (plan::writes_floats)
-            outputs.insert(outputs.end(), out.floats.begin(), out.floats.end());
-        else
+        outputs.insert(outputs.end(), out.floats.begin(), out.floats.end());
+        if (out.floats.empty())
             for (const std::int64_t byte : out.whole)
                 outputs.push_back(static_cast<float>(byte - place.range.zero) *
                                   static_cast<float>(place.range.scale));

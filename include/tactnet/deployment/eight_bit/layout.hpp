@@ -52,8 +52,9 @@ namespace detail {
 
 /// Appends a step with these arrays.
 [[gnu::cold, gnu::noinline]] inline void append_step(folded_layout& to, const std::string& name,
-                                                     const folded_arrays& arrays, double largest_input) {
-    folded_step step{name, largest_input, {}};
+                                                     const folded_arrays& arrays, double largest_input,
+                                                     bool adds = false) {
+    folded_step step{name, largest_input, {}, adds};
     for (std::size_t i = 0; i < arrays.count; ++i) {
         const folded_array& says = arrays.list[i];
         folded_step::array array{{name + "." + says.name, {}, {}, to.numbers, says.size()}, says.kind};

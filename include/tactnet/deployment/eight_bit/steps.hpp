@@ -3,14 +3,17 @@
 #include <tactnet/deployment/deployed_view.hpp>
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/integer/elementwise.hpp>
+#include <tactnet/kernels/integer/rounding.hpp>
 #include <tactnet/lowering/eight_bit_format.hpp>
 #include <tactnet/lowering/quantise.hpp>
 #include <tactnet/operators/eight_bit.hpp>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 // What a deployed network in 8 bits runs: how it reads a frame and writes its outputs, here, and its steps.
@@ -63,11 +66,42 @@ struct input_stage<eight_bit, Input> {
     }
 };
 
+/// Rounds the features of a stream to words of 16 bits, each with a step of its own: its folded numbers.
+/// Finite features beyond the words saturate.
+template <std::size_t Features>
+struct stream_input_stage<eight_bit, Features> {
+    /// The value of one step of a feature's words, of which the first layer reads whole numbers.
+    static constexpr folded_arrays arrays{{"step", folded_kind::scales, {Features}}};
+    static constexpr std::size_t folded_elements = Features,
+                                 packed_elements = pad_to_cache_line<std::int8_t>(4 * Features),
+                                 map = pad_to_cache_line<std::uint8_t>(2 * Features);
+
+    /// Steps per unit.
+    static constexpr void pack(const float* folded, std::int8_t* packed) {
+        for (std::size_t f = 0; f < Features; ++f)
+            detail::store_number(packed + 4 * f, 1 / folded[f]);
+    }
+    /// Whether all features are finite.
+    static bool read(const std::int8_t* packed, std::span<const float, Features> frame,
+                     std::uint8_t* in) noexcept {
+        auto* const words = reinterpret_cast<std::int16_t*>(in);
+        std::fill(words + Features, words + detail::round_up(Features, 4), std::int16_t{0});
+        std::size_t broken = 0;
+        for (std::size_t f = 0; f < Features; ++f) {
+            constexpr float limit = std::numeric_limits<std::int16_t>::max();
+            broken += !(std::abs(frame[f]) <= std::numeric_limits<float>::max());
+            // The clamp lies between the product and the sum that rounds it.
+            const auto steps_per_unit = kernels::load_bytes_as<float>(packed + 4 * f);
+            const float scaled = std::clamp(frame[f] * steps_per_unit, -limit, limit);
+            words[f] = static_cast<std::int16_t>(kernels::nearest<1>(kernels::float_vec<1>{scaled})[0]);
+        }
+        return broken == 0;
+    }
+};
+
 /// Writes the floats of the last step to outputs [channel][row][column].
 template <shape Output, std::size_t Stride>
 struct output_stage<eight_bit, Output, Stride> {
-    static constexpr std::size_t map =
-        pad_to_cache_line<std::uint8_t>(Output.area() * Stride * sizeof(float));
     static bool write(const std::uint8_t* out, std::span<float, Output.size()> to) noexcept {
         return output_stage<single_precision, Output, Stride>::write(reinterpret_cast<const float*>(out), to);
     }

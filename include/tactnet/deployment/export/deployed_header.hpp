@@ -5,6 +5,7 @@
 #include <tactnet/deployment/export/header_form.hpp>
 #include <tactnet/deployment/export/literals.hpp>
 #include <tactnet/deployment/export/step_text.hpp>
+#include <tactnet/deployment/stream.hpp>
 #include <tactnet/text/message.hpp>
 
 #include <array>
@@ -14,16 +15,18 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
-// Writes a deployed network as a C++ header, for targets without files. A header compiles for any instruction
-// set, whichever wrote it; only the outputs of its self-test may differ in their last bits.
+// Writes a deployed network or a stream as a C++ header, for targets without files. A header compiles for any
+// instruction set, whichever wrote it; only the outputs of its self-test may differ in their last bits.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
-/// The parts of a header of its own: deployed_header puts header_beginning and header_end around them.
+// The parts of both kinds of headers: detail::header_text puts header_beginning and header_end around them.
+
 inline constexpr std::string_view network_comment =
     R"(// @network@ for frames of @size@ (rows × columns × channels), @outputs@ outputs,
 // @parameters@ parameters, of which @remaining@ numbers remain once batch norms are folded in. Generated: do not edit.
@@ -44,6 +47,56 @@ inline bool passes_selftest(@memory parameter@) noexcept {
     if (recogniser.infer(selftest_frame, outputs@memory@) != tactnet::frame_status::ok)
         return false;
 )";
+
+inline constexpr std::string_view stream_comment =
+    R"(// @network@ for frames of @features@ features, one after the other, @outputs@ outputs after each frame,
+// @parameters@ parameters. Generated: do not edit.
+//
+// recogniser.step(features, state, outputs) takes one frame and writes the outputs after it; recogniser.classify(features,
+// state) returns the class. recogniser_type::state is yours: state{} begins a recording. They need no files, no heap, no
+// exceptions and no run-time type information.
+)";
+inline constexpr std::string_view stream_selftest =
+    R"(/// A recording, frame by frame, and the outputs after its last frame.
+inline constexpr std::array<float, @recorded frames@ * recogniser_type::features> selftest_recording{
+@recording@};
+inline constexpr std::array<float, recogniser_type::outputs> selftest_outputs{
+@frame outputs@};
+
+/// Whether this build reproduces the outputs of the recording.
+inline bool passes_selftest() noexcept {
+    recogniser_type::state state;
+    std::array<float, recogniser_type::features> frame;
+    std::array<float, recogniser_type::outputs> outputs{};
+    for (std::size_t first = 0; first < selftest_recording.size(); first += frame.size()) {
+        for (std::size_t f = 0; f < frame.size(); ++f)
+            frame[f] = selftest_recording[first + f];
+        if (recogniser.step(frame, state, outputs) != tactnet::frame_status::ok)
+            return false;
+    }
+)";
+
+/// The text of a header for a view of this type, whose first template argument is `input`.
+template <class Network, class Format, class View>
+[[nodiscard]] std::string header_text(const header_description& description, std::span<const float> folded,
+                                      const shape& input, const char* name, const std::string& first_argument,
+                                      std::span<const float> outputs, header_packing usual,
+                                      std::array<std::string_view, 2> parts, std::vector<replacement> own) {
+    step_text steps;
+    const std::string chain =
+        steps.template define<typename View::steps>(input, std::to_string(input.channels));
+    if constexpr (requires { Format::steps_header; })
+        steps.include(Format::steps_header);
+    std::vector<replacement> fields = common_fields(description, steps, folded, usual);
+    fields.insert(fields.end(),
+                  {{"view header", std::string("tactnet/deployment/") + name + ".hpp"},
+                   {"type", std::string("tactnet::") + name + "<" + first_argument + ", " + chain + ">"},
+                   {"outputs", std::to_string(outputs.size())},
+                   {"parameters", std::to_string(Network::parameters)},
+                   {"frame outputs", number_lines<float>(outputs, literal<float>)}});
+    fields.insert(fields.end(), own.begin(), own.end());
+    return filled({parts[0], header_beginning, parts[1], header_end}, fields);
+}
 
 } // namespace detail
 
@@ -70,22 +123,12 @@ template <class Network, class Format>
         detail::throw_invalid_argument({"deployed_header: expected a frame that gives finite outputs for the "
                                         "self-test, found one that does not"});
 
-    step_text steps;
-    const std::string chain =
-        steps.template define<typename view::steps>(input, std::to_string(input.channels));
-    if constexpr (requires { Format::steps_header; })
-        steps.include(Format::steps_header);
     const bool on_stack = view::workspace_bytes <= view::max_stack_bytes;
-    std::vector<detail::replacement> fields =
-        detail::common_fields(description, steps, network.folded(), usual_packing(view::folded_elements));
-    fields.insert(
-        fields.end(),
-        {{"view header", "tactnet/deployment/deployed_view.hpp"},
-         {"type", "tactnet::deployed_view<" + detail::text_of(input) + ", " + chain + ">"},
-         {"contents", "The mean frame, the scale, the largest input, then weights and biases step by step."},
+    return detail::header_text<Network, Format, view>(
+        description, network.folded(), input, "deployed_view", detail::text_of(input), outputs,
+        usual_packing(view::folded_elements), {detail::network_comment, detail::network_selftest},
+        {{"contents", "The mean frame, the scale, the largest input, then weights and biases step by step."},
          {"size", detail::size_of(input)},
-         {"outputs", std::to_string(deployed_type::outputs)},
-         {"parameters", std::to_string(Network::parameters)},
          {"remaining", std::to_string(view::folded_elements - view::steps_folded)},
          {"known",
           (description.classes.empty() ? network.temperature() == 1 ? "" : ", recogniser_type::outputs"
@@ -94,11 +137,39 @@ template <class Network, class Format>
          {"memory", on_stack ? "" : ", memory"},
          {"memory parameter", on_stack ? "" : "recogniser_type::workspace& memory"},
          {"frame", detail::number_lines<std::uint8_t>(
-                       frame, [](std::uint8_t count) { return std::to_string(count); })},
-         {"frame outputs", detail::number_lines<float>(outputs, detail::literal<float>)}});
-    return detail::filled(
-        {detail::network_comment, detail::header_beginning, detail::network_selftest, detail::header_end},
-        fields);
+                       frame, [](std::uint8_t count) { return std::to_string(count); })}});
+}
+
+/// As above for a deployed stream: `recogniser` is a stream_view, and `passes_selftest` runs `recording`,
+/// some whole frames. Throws std::invalid_argument if a name is not allowed, if the recording does not
+/// consist of whole frames, or if the stream refuses one of them.
+template <class Network, class Format>
+[[nodiscard]] std::string deployed_header(const deployed_stream<Network, Format>& stream,
+                                          const header_description& description,
+                                          std::span<const float> recording) {
+    using view = typename deployed_stream<Network, Format>::view_type;
+    detail::require_names(description, view::outputs);
+    if (recording.empty() || recording.size() % view::features != 0)
+        detail::throw_invalid_argument({"deployed_header: expected a recording of one or more frames of ",
+                                        view::features, " features, found ", recording.size(), " numbers"});
+    const std::size_t frames = recording.size() / view::features;
+    typename view::state state;
+    std::vector<float> outputs(frames * view::outputs);
+    if (stream.run(recording, state, outputs) != frames)
+        detail::throw_invalid_argument({"deployed_header: expected a recording that the stream takes for the "
+                                        "self-test, found a frame that it refuses"});
+    // Rows are padded to whole vectors, which in 8 bits are four times as long.
+    constexpr std::size_t packed_steps = std::is_same_v<Format, single_precision> ? 1 : 4;
+    const std::string features = std::to_string(view::features);
+    return detail::header_text<Network, Format, view>(
+        description, stream.folded(), {1, 1, view::features}, "stream_view", features,
+        std::span(outputs).last(view::outputs), usual_packing(packed_steps * view::folded_elements),
+        {detail::stream_comment, detail::stream_selftest},
+        {{"contents", "What the input needs, then weights and biases step by step."},
+         {"features", features},
+         {"known", description.classes.empty() ? "" : ", classes.size()"},
+         {"recorded frames", std::to_string(frames)},
+         {"recording", detail::number_lines<float>(recording, detail::literal<float>)}});
 }
 
 }} // namespace tactnet

@@ -202,8 +202,6 @@ public:
         description::visit(spelled);
         if constexpr (requires { Step::output; })
             return defined(spelled, detail::size_of(input), detail::size_of(Step::output));
-        else if constexpr (requires { Step::outputs; })
-            return defined(spelled, std::to_string(Step::features), std::to_string(Step::outputs));
         else
             return spelled.type; // what makes no map needs no name
     }

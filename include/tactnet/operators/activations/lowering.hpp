@@ -13,8 +13,10 @@ template <class Function>
 struct lowered_function {
     static constexpr bool rectifies = detail::is_relu<Function>();
     template <class Place>
-    using at = lowered_to<
-        activation_step<typename Place::format, Function, Place::layer::output, Place::input_stride>>;
+    static constexpr bool in_stream = !Place::reads_frame;
+    template <class Place>
+    using at =
+        lowered_to<activation_step<typename Place::format, Function, Place::output, Place::input_stride>>;
 };
 template <class Function>
 struct lowering<activation<Function>> : lowered_function<Function> {};

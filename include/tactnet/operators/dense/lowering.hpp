@@ -1,11 +1,13 @@
 #pragma once
 
 #include <tactnet/lowering/lowering.hpp>
+#include <tactnet/operators/causal_convolution/lowering.hpp>
 #include <tactnet/operators/dense/layer.hpp>
 #include <tactnet/operators/dense/step.hpp>
 
 #include <algorithm>
 #include <cstddef>
+#include <type_traits>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
@@ -23,10 +25,14 @@ struct lowered_dense {
     }
 };
 
+/// In a stream it comes after last_frame, and its sums have the bits of the layer in a batch.
 template <std::size_t Outputs>
 struct lowering<dense<Outputs>> {
     template <class Place>
-    using at = lowered_dense<Place>;
+    static constexpr bool in_stream = Place::layer::input.area() == 1;
+    template <class Place>
+    using at =
+        std::conditional_t<Place::in_stream, lowered_causal<Place, Outputs, 1, 1>, lowered_dense<Place>>;
 };
 
 }} // namespace tactnet

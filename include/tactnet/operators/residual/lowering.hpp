@@ -30,20 +30,22 @@ struct lowered_sum {
     }
 };
 
-/// The main branch of a residual block: its last step adds the skip, or a step after it does.
-template <class Format, class Main, shape Output, const kernels::fused_activation* Activation>
+/// The main branch of a residual block: its last step adds the skip, or a step after it does. In a stream
+/// that is always a step, since both branches are rounded before the sum in a batch.
+template <class Place, class Main, shape Output, const kernels::fused_activation* Activation>
 auto adding_main() {
+    using hidden = typename Place::format::hidden_format;
     static_assert(Main::size > 0,
                   "deploy: the main branch of a residual block must do something in inference");
     if constexpr (Main::size == 0)
-        return std::type_identity<
-            lowered_sum<typename Format::hidden_format, Output, Output.channels, Activation>>{};
+        return std::type_identity<lowered_sum<hidden, Output, Output.channels, Activation>>{};
+    else if constexpr (Place::in_stream)
+        return std::type_identity<typename Main::template with<sum_step>>{};
     else if constexpr (Main::can_add)
         return std::type_identity<typename Main::template adding<Activation>>{};
     else
-        return std::type_identity<
-            lowered_chain<typename Main::type, lowered_sum<typename Format::hidden_format, Output,
-                                                           Main::type::step::output_stride, Activation>>>{};
+        return std::type_identity<lowered_chain<
+            typename Main::type, lowered_sum<hidden, Output, Main::type::step::output_stride, Activation>>>{};
 }
 
 } // namespace detail
@@ -54,11 +56,12 @@ template <class Place, class Main, class Skip,
 struct lowered_residual {
     using layer = typename Place::layer;
     using lowered_main = lowered_sequence<typename Place::format, as_sequence<Main>, typename layer::main,
-                                          Place::input_stride>;
-    using main = typename decltype(detail::adding_main<typename Place::format, lowered_main, layer::output,
-                                                       Activation>())::type;
-    using skip = detail::lowered_alone<lowered_sequence<typename Place::format, as_sequence<Skip>,
-                                                        typename layer::skip, Place::input_stride>>;
+                                          Place::input_stride, Place::frames>;
+    using main =
+        typename decltype(detail::adding_main<Place, lowered_main, Place::output, Activation>())::type;
+    using skip =
+        detail::lowered_alone<lowered_sequence<typename Place::format, as_sequence<Skip>,
+                                               typename layer::skip, Place::input_stride, Place::frames>>;
     static_assert(
         !std::is_same_v<typename skip::step, no_step> ||
             std::is_same_v<typename Place::format, typename Place::format::hidden_format>,
@@ -74,7 +77,8 @@ struct lowered_residual {
     }
     template <class Spec, class>
     static constexpr auto fuse() {
-        if constexpr (!Activation->exists && activates<Spec, typename Place::format, layer::output.channels>)
+        if constexpr (!Place::in_stream && !Activation->exists &&
+                      activates<Spec, typename Place::format, layer::output.channels>)
             return std::type_identity<lowered_residual<Place, Main, Skip, lowering<Spec>::activation>>{};
         else
             return not_fused{};
@@ -83,6 +87,8 @@ struct lowered_residual {
 
 template <class Main, class Skip>
 struct lowering<residual<Main, Skip>> {
+    template <class Place>
+    static constexpr bool in_stream = !Place::reads_frame;
     template <class Place>
     using at = lowered_residual<Place, Main, Skip>;
 };

@@ -1,19 +1,43 @@
 #pragma once
 
+#include <tactnet/kernels/elementwise.hpp>
 #include <tactnet/lowering/batch_executor.hpp>
 #include <tactnet/lowering/step.hpp>
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <type_traits>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// Adds a map to what the output holds, each number rounded once: the end of a main branch in a stream.
+template <class Format, shape Map, std::size_t Stride>
+struct sum_step;
+template <class Format, shape Map, std::size_t Stride>
+struct step_description<sum_step<Format, Map, Stride>> {
+    static constexpr const char* header = "tactnet/operators/residual/step.hpp";
+    static constexpr void visit(auto&& to) {
+        to("tactnet::sum_step", "Sum with the other branch", std::type_identity<Format>{}, Map,
+           input_stride_argument{});
+    }
+};
+template <shape Map, std::size_t Stride>
+struct sum_step<single_precision, Map, Stride> : step_base<single_precision, Map, Stride> {
+    static void run(const float*, const float* in, float* out, float*) noexcept {
+        if constexpr (Stride % kernels::lanes<float> == 0)
+            kernels::add(in, out, out, Map.area() * Stride);
+        else
+            for (std::size_t e = 0; e < Map.area() * Stride; ++e)
+                out[e] = in[e] + out[e];
+    }
+};
 
 /// main(x) + skip(x), with the activation function after it. The skip is written to the output first, and the
 /// main branch's last convolution adds to it. The input has `InputStride` elements from one pixel to the
 /// next.
 template <class Main, class Skip, std::size_t InputStride>
-struct residual_step : step_defaults {
+struct residual_step : step_defaults, detail::joined_state<Main, Skip> {
     using format = typename Main::format;
     using activation = typename format::activation;
     using packed_number = typename format::packed_number;
@@ -50,19 +74,20 @@ struct residual_step : step_defaults {
             return sum;
     }
     static void run(const packed_number* packed_values, const activation* in, activation* out,
-                    activation* memory) noexcept {
-        leave_skip(packed_values, in, out, memory);
-        Main::run(packed_values, in, out, memory);
+                    activation* memory, auto&... states) noexcept {
+        leave_skip(packed_values, in, out, memory, states...);
+        detail::run_step<0, Main>(packed_values, in, out, memory, states...);
     }
     /// The first half: writes the skip to the output.
     static void leave_skip(const packed_number* packed_values, const activation* in, activation* out,
-                           activation* memory) noexcept {
+                           activation* memory, auto&... states) noexcept {
         if constexpr (std::is_same_v<Skip, no_step>) {
             copy_pixels<InputStride>(in, out);
         } else if constexpr (aside == 0) {
-            Skip::run(packed_values + Main::packed_elements, in, out, memory);
+            detail::run_step<1, Skip>(packed_values + Main::packed_elements, in, out, memory, states...);
         } else {
-            Skip::run(packed_values + Main::packed_elements, in, memory, memory + aside);
+            detail::run_step<1, Skip>(packed_values + Main::packed_elements, in, memory, memory + aside,
+                                      states...);
             copy_pixels<Skip::output_stride>(memory, out);
         }
     }
@@ -85,7 +110,7 @@ private:
     template <std::size_t Stride>
     static void copy_pixels(const activation* from, activation* to) {
         if constexpr (Stride == output_stride) {
-            std::copy_n(from, output.area() * output_stride, to);
+            std::memcpy(to, from, output.area() * output_stride * sizeof(activation));
         } else {
             for (std::size_t pixel = 0; pixel < output.area(); ++pixel) {
                 activation* const end =

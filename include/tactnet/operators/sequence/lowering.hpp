@@ -33,6 +33,9 @@ namespace detail {
 template <class Lowered, std::size_t Stride, std::size_t Offset>
 concept writes_into_slice = requires { requires Lowered::template fits_slice<Stride, Offset>; };
 
+template <class Lowered>
+concept has_as_output = requires { typename Lowered::as_output; };
+
 // Changes of the last layer of a list.
 template <bool IsOutput>
 struct output_of {
@@ -45,9 +48,8 @@ template <>
 struct output_of<true> {
     template <class Last>
     struct change {
-        static_assert(
-            requires { typename Last::as_output; }, "deploy: in this number format a network must end in a "
-                                                    "convolution, a dense layer or an average pool");
+        static_assert(has_as_output<Last>, "deploy: in this number format a network must end in a "
+                                           "convolution, a dense layer or an average pool");
         using type = typename Last::as_output;
     };
 };
@@ -66,6 +68,13 @@ struct slice_of {
     };
 };
 
+/// Lowered layers and a step after them, a template on the map that they write.
+template <template <class, shape, std::size_t> class Step, class Format, class... Lowered>
+struct appended {
+    using before = typename lowered_chain<Lowered...>::step;
+    using type = lowered_chain<Lowered..., lowered_to<Step<Format, before::output, before::output_stride>>>;
+};
+
 /// The lowered layers of a list.
 template <class... Lowered>
 struct lowered_layers {
@@ -76,6 +85,7 @@ struct lowered_layers {
         false, ..., requires { typename Lowered::template adding<nullptr>; });
     template <std::size_t Stride, std::size_t Offset>
     static constexpr bool can_write_slice = (false, ..., writes_into_slice<Lowered, Stride, Offset>);
+    static constexpr bool can_end = (false, ..., has_as_output<Lowered>);
 
     template <template <class> class Change, std::size_t... I>
     static auto changed(std::index_sequence<I...>) -> lowered_chain<
@@ -83,23 +93,54 @@ struct lowered_layers {
     /// All layers, the last one changed.
     template <template <class> class Change>
     using change_last = decltype(changed<Change>(std::make_index_sequence<size>{}));
+    template <template <class, shape, std::size_t> class Step, class Format>
+    using with = typename appended<Step, Format, Lowered...>::type;
+};
+
+/// Rejects a layer that `deploy_stream` cannot run frame by frame.
+template <class Spec, class Place>
+constexpr bool check_in_stream() {
+    if constexpr (std::is_same_v<typename Place::format::output_format, single_precision>)
+        static_assert(
+            runs_in_streams<Spec, Place>,
+            "deploy_stream: this layer does not run frame by frame; runs_in_streams shows it and its "
+            "input. Dense layers come after last_frame; for each frame, use causal_conv1d<outputs, 1>");
+    else
+        static_assert(
+            runs_in_streams<Spec, Place>,
+            "deploy_stream: in 8 bits this layer does not run frame by frame here; runs_in_streams "
+            "shows it, its input and the format of numbers. The first layer reads words of 16 bits: it "
+            "must be gru, lstm, causal_conv1d or dense. Dense layers come after last_frame");
+    return runs_in_streams<Spec, Place>;
+}
+/// The list that writes the outputs of the network if `IsOutput`: by its last layer or, in a stream, by a
+/// step after it.
+template <class Layers, class Format, bool IsOutput, bool InStream>
+struct ending_of {
+    using type = typename Layers::template change_last<output_of<IsOutput>::template change>;
+};
+template <class Layers, class Format>
+    requires(!Layers::can_end)
+struct ending_of<Layers, Format, true, true> {
+    using type = typename Layers::template with<float_output_step, Format>;
 };
 
 } // namespace detail
 
-/// Lowers a list in a number format. Its input has `Stride` elements from one pixel to the next.
-template <class Format, class Specification, class Layers, std::size_t Stride>
+/// Lowers a list in a number format. Its input has `Stride` elements from one pixel to the next. `Frames` as
+/// in layer_place.
+template <class Format, class Specification, class Layers, std::size_t Stride, std::size_t Frames = 0>
 struct lowered_sequence;
 
-template <class Format, class... Specs, class Layers, std::size_t Stride>
-struct lowered_sequence<Format, sequence<Specs...>, Layers, Stride> {
+template <class Format, class... Specs, class Layers, std::size_t Stride, std::size_t Frames>
+struct lowered_sequence<Format, sequence<Specs...>, Layers, Stride, Frames> {
 private:
     static constexpr std::size_t layers = sizeof...(Specs);
     template <std::size_t I>
     using spec = typename decltype(detail::type_at<I>(
         std::declval<detail::indexed_leaves<std::type_identity<Specs>...>>()))::type;
     static constexpr bool check_frames() {
-        static_assert((!layer_of_sequences<Specs> && ...),
+        static_assert(Frames > 0 || (!layer_of_sequences<Specs> && ...),
                       "deploy: a network of sequences runs frame by frame: use deploy_stream");
         return true;
     }
@@ -111,7 +152,7 @@ private:
     }();
     template <std::size_t I, std::size_t InputStride>
     using place = layer_place<std::conditional_t<I == first, Format, typename Format::hidden_format>, Layers,
-                              I, InputStride>;
+                              I, InputStride, Frames>;
 
     /// A lowered layer with all that it fuses, and the first layer after these.
     template <class Lowered, std::size_t Next>
@@ -136,18 +177,29 @@ private:
         }
     }
 
+    template <std::size_t I, std::size_t InputStride>
+    static constexpr bool check_lowering() {
+        if constexpr (Frames > 0)
+            return detail::check_in_stream<spec<I>, place<I, InputStride>>();
+        static_assert(Frames > 0 || has_lowering<spec<I>>,
+                      "deploy: a layer of this kind has no lowering; has_lowering shows it");
+        return has_lowering<spec<I>> && !layer_of_sequences<spec<I>>;
+    }
     template <std::size_t I, std::size_t InputStride, class... Lowered>
     static constexpr auto lower_from() {
         if constexpr (I >= layers) {
             return detail::lowered_layers<Lowered...>{};
         } else {
-            static_assert(has_lowering<spec<I>> || layer_of_sequences<spec<I>>,
-                          "deploy: a layer of this kind has no lowering; has_lowering shows it");
-            if constexpr (inference_no_op<spec<I>> || !has_lowering<spec<I>>) {
+            if constexpr (inference_no_op<spec<I>> || !check_lowering<I, InputStride>()) {
                 return lower_from<I + 1, InputStride, Lowered...>();
             } else {
                 using alone = typename lowering<spec<I>>::template at<place<I, InputStride>>;
                 using whole = decltype(fuse_from<alone, I + 1>());
+                static_assert(
+                    !layer_of_sequences<spec<I>> || !has_state<typename alone::step> ||
+                        Layers::template at<I>::input.rows == Frames,
+                    "deploy_stream: after last_frame, layers have one frame of each sequence: gru, lstm and "
+                    "causal_conv1d of several taps must come before it"); // a stream has no end
                 return lower_from<whole::next, whole::type::step::output_stride, Lowered...,
                                   typename whole::type>();
             }
@@ -162,7 +214,11 @@ public:
     using type = typename lowered::type;
     /// The lowered list; with `IsOutput` it writes the outputs of the network.
     template <bool IsOutput>
-    using ending = typename lowered::template change_last<detail::output_of<IsOutput>::template change>;
+    using ending =
+        typename detail::ending_of<lowered, typename Format::hidden_format, IsOutput, Frames != 0>::type;
+    /// The list and a sum_step after it: the main branch of a residual block in a stream.
+    template <template <class, shape, std::size_t> class Step>
+    using with = typename lowered::template with<Step, typename Format::hidden_format>;
     /// Whether the last layer can add to what its output holds: for main branches of residual blocks.
     static constexpr bool can_add = lowered::can_add;
     template <const kernels::fused_activation* Activation>
@@ -189,7 +245,7 @@ using lowered_network =
 template <class Place, class Specification, bool IsOutput = false>
 struct lowered_list {
     using list = typename lowered_sequence<typename Place::format, Specification, typename Place::layer,
-                                           Place::input_stride>::template ending<IsOutput>;
+                                           Place::input_stride, Place::frames>::template ending<IsOutput>;
     using step = typename list::step;
     using as_output = lowered_list<Place, Specification, true>;
 
@@ -199,6 +255,8 @@ struct lowered_list {
 template <class... Specs>
 struct lowering<sequence<Specs...>> {
     static constexpr bool inference_no_op = (tactnet::inference_no_op<Specs> && ...);
+    template <class>
+    static constexpr bool in_stream = true; // each layer of the list says it for itself
     template <class Place>
     using at = lowered_list<Place, sequence<Specs...>>;
 };

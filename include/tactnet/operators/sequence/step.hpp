@@ -12,9 +12,10 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// A sequence of steps as one step. The maps between them alternate between two buffers.
+/// A sequence of steps as one step. The maps between them alternate between two buffers. In a stream its
+/// state is that of its steps.
 template <class... Steps>
-struct step_chain : step_defaults {
+struct step_chain : step_defaults, detail::joined_state<Steps...> {
     static constexpr std::size_t size = sizeof...(Steps);
     static_assert(size > 0, "step_chain: there must be at least one step");
     template <std::size_t I>
@@ -82,12 +83,12 @@ struct step_chain : step_defaults {
          ...);
         return most;
     }
-    static void run(const packed_number* packed_values, const activation* in, activation* out,
-                    activation* memory) noexcept {
+    [[gnu::always_inline]] static void run(const packed_number* packed_values, const activation* in,
+                                           activation* out, activation* memory, auto&... states) noexcept {
         activation* const inner = memory + buffers * buffer;
         kernels::unroll<size>([&](auto i) {
             activation* const to = i + 1 == size ? out : memory + buffer_index(i) * buffer;
-            at<i>::run(packed_values, in, to, inner);
+            detail::run_step<i, at<i>>(packed_values, in, to, inner, states...);
             packed_values += at<i>::packed_elements;
             in = to;
         });
@@ -112,6 +113,19 @@ struct step_description<step_chain<Steps...>> {
     static constexpr void visit(auto&& to) {
         to("tactnet::step_chain", "One after the other",
            inner_step<Steps, step_composition::chain>{"step"}...);
+    }
+};
+
+/// Writes the outputs of a stream as floats after a step that cannot, for number formats whose maps hold
+/// something else.
+template <class Format, shape Map, std::size_t Stride>
+struct float_output_step;
+template <class Format, shape Map, std::size_t Stride>
+struct step_description<float_output_step<Format, Map, Stride>> {
+    static constexpr const char* header = "tactnet/operators/sequence/step.hpp";
+    static constexpr void visit(auto&& to) {
+        to("tactnet::float_output_step", "Outputs", std::type_identity<Format>{}, Map,
+           input_stride_argument{});
     }
 };
 

@@ -2,7 +2,7 @@
 #include "recorded_in_bytes.hpp"
 #include "tagging.hpp"
 
-#include <tactnet/deployment/export/stream_header.hpp>
+#include <tactnet/deployment/export/deployed_header.hpp>
 
 #include <doctest/doctest.h>
 

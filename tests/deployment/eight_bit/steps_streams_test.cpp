@@ -182,14 +182,15 @@ TEST_CASE("deployed_stream: in 8 bits, its folded numbers make it again, and oth
     const auto recording = recording_of<tagger>(samples<tagger>(1, 7), 0);
     CHECK(same_bits(outputs_of(made(), recording), outputs_of(stream, recording)));
 
-    const folded_layout layout = eight_bit_stream_plan<tagger>::layout();
+    const folded_layout layout = folded_layout_of<stream_type::view_type>();
     CHECK(layout.numbers == stream_type::folded_elements);
     std::vector<std::string> names;
     for (const folded_step& step : layout.steps)
         names.push_back(step.name);
-    CHECK(names == std::vector<std::string>{"frame", "step1", "step2.main.step1", "step2.main.step2", "step2",
-                                            "step3.frame", "step3.state", "step4.main.step1",
-                                            "step4.skip.step1", "step4", "step5", "step6"});
+    CHECK(names == std::vector<std::string>{"frame", "step1", "step2.main.step1", "step2.main.step2",
+                                            "step2.main.step3", "step3.frame", "step3.state",
+                                            "step4.main.step1", "step4.main.step2", "step4.skip.step1",
+                                            "step5", "step6"});
     for (const folded_step& step : layout.steps)
         for (const folded_step::array& array : step.arrays)
             for (const float wrong :
@@ -220,10 +221,10 @@ TEST_CASE("deployed_stream: in 8 bits, its folded numbers make it again, and oth
         return std::string();
     };
     CHECK(with_scales(1e27F, 1e27F, 1e10F).empty());
-    CHECK(
-        with_scales(1e30F, 1e-30F, 1.2e-38F)
-            .starts_with("deploy_stream: step2.input, element 0: expected scales of which each over that of "
-                         "the output is a number of single precision, found"));
+    CHECK(with_scales(1e30F, 1e-30F, 1.2e-38F)
+              .starts_with("deploy_stream: step2.main.step3.input, element 0: expected scales of which each "
+                           "over that of "
+                           "the output is a number of single precision, found"));
 }
 
 TEST_CASE("deployed_stream: in 8 bits, broken frames are reported and change nothing; others saturate") {

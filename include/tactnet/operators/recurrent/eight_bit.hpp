@@ -1,9 +1,10 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/streaming/frame_step.hpp>
 #include <tactnet/kernels/integer/recurrent.hpp>
+#include <tactnet/operators/causal_convolution/eight_bit.hpp>
 #include <tactnet/operators/recurrent/gru_cell.hpp>
 #include <tactnet/operators/recurrent/lstm_cell.hpp>
+#include <tactnet/operators/recurrent/step.hpp>
 
 #include <algorithm>
 #include <array>
@@ -25,22 +26,21 @@ struct word_cell<lstm_cell> : kernels::word_lstm_cell {};
 
 } // namespace detail
 
-/// Recurrent layers: two products and the cells. States have 16 bits; their bytes have a range of their own.
+/// Recurrent layers in 8 bits: two products and the cells. States have 16 bits; the bytes that are their
+/// output and the product's input have a fixed range.
 template <class In, class Out, class Cell, std::size_t Features, std::size_t Hidden>
-struct recurrent_stream_step<eight_bit_between<In, Out>, Cell, Features, Hidden>
-    : detail::byte_stream_step<eight_bit_between<In, Out>, Out,
-                               recurrent_stream_step<single_precision, Cell, Features, Hidden>> {
+struct recurrent_step<eight_bit_between<In, Out>, Cell, Features, Hidden>
+    : step_base<eight_bit, shape{1, 1, Hidden}, detail::frame_stride(Hidden)> {
 private:
     using cells = kernels::word_cells<detail::word_cell<Cell>, Hidden>;
     static constexpr std::size_t rows = Cell::gates * Hidden;
-    using input_product = detail::frames_product<In, float, 1, Features, rows>;
-    using hidden_product = detail::frames_product<std::uint8_t, float, 1, Hidden, rows>;
+    using input_product = detail::frames_product<eight_bit_between<In, float>, 1, Features, rows>;
+    using hidden_product = detail::frames_product<eight_bit_between<std::uint8_t, float>, 1, Hidden, rows>;
     static constexpr std::size_t room = // floats
         pad_to_cache_line(std::max(cells::sums, input_product::output_stride));
 
 public:
-    using exact = recurrent_stream_step<single_precision, Cell, Features, Hidden>;
-    static constexpr bool observes_output = false; // states have a range of their own
+    static constexpr std::size_t number_elements = sizeof(Out);
     static constexpr std::size_t folded_elements =
                                      input_product::folded_elements + hidden_product::folded_elements,
                                  packed_elements =
@@ -48,7 +48,7 @@ public:
                                  workspace_elements = std::max(input_product::workspace_elements,
                                                                hidden_product::workspace_elements);
     /// The bytes of hidden states.
-    static constexpr map_range hidden_range{1.0F / kernels::cell_numbers::hidden_steps,
+    static constexpr map_range output_range{1.0F / kernels::cell_numbers::hidden_steps,
                                             kernels::cell_numbers::hidden_zero};
 
     /// Zero before the first frame.
@@ -56,6 +56,11 @@ public:
         std::array<std::int16_t, detail::word_cell<Cell>::states * cells::units> elements{};
     };
 
+    /// The steps whose folded numbers it has, in order.
+    static constexpr void visit_parts(auto&& to) {
+        to(inner_step<input_product, step_composition::wrapper>{"frame"},
+           inner_step<hidden_product, step_composition::wrapper>{"state"});
+    }
     /// From both matrices, then both biases.
     static void fold(const float* values, float* folded) {
         constexpr std::size_t input_weights = input_product::weights,
@@ -66,22 +71,17 @@ public:
         std::copy_n(values += hidden_weights, rows, folded + input_weights);
         std::copy_n(values + rows, rows, hidden + hidden_weights);
     }
-    static map_range set_ranges(float* folded, const map_range& input, const map_range*&) {
-        input_product::set_ranges(folded, {input, {}, {}});
-        hidden_product::set_ranges(folded + input_product::folded_elements, {hidden_range, {}, {}});
-        return hidden_range;
-    }
-    static void visit_arrays(auto&& to) {
-        to("frame", input_product::arrays, input_product::largest_input);
-        to("state", hidden_product::arrays, hidden_product::largest_input);
+    static constexpr void set_ranges(float* folded, const step_ranges& ranges) {
+        input_product::set_ranges(folded, {ranges.input, {}, {}});
+        hidden_product::set_ranges(folded + input_product::folded_elements, {output_range, {}, {}});
     }
     static constexpr void pack(const float* folded, std::int8_t* packed) {
         input_product::pack(folded, packed);
         hidden_product::pack(folded + input_product::folded_elements,
                              packed + input_product::packed_elements);
     }
-    static void run(const std::int8_t* packed, const std::uint8_t* in, state& s, std::uint8_t* out,
-                    std::uint8_t* memory) noexcept {
+    static void run(const std::int8_t* packed, const std::uint8_t* in, std::uint8_t* out,
+                    std::uint8_t* memory, state& s) noexcept {
         constexpr std::size_t bytes = pad_to_cache_line<std::uint8_t>(cells::units);
         alignas(vector_alignment) std::array<float, room> from_input, from_state;
         alignas(vector_alignment) std::array<std::uint8_t, bytes> hidden{};
@@ -101,7 +101,7 @@ public:
             for (std::size_t h = 0; h < Hidden; ++h)
                 to[h] = static_cast<float>(s.elements[h]) / 32768;
         } else {
-            std::copy_n(hidden.data(), Hidden, out);
+            std::copy_n(hidden.data(), recurrent_step::output_stride, out);
         }
     }
 };

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <tactnet/lowering/lowering.hpp>
+#include <tactnet/operators/recurrent/layer.hpp>
+#include <tactnet/operators/recurrent/step.hpp>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// A recurrent layer in a stream. Where a format folds parameters in an order of its own, the step does.
+template <class Place, class Cell, std::size_t Hidden>
+struct lowered_recurrent {
+    using step = recurrent_step<typename Place::format, Cell, Place::input.channels, Hidden>;
+    using as_output = lowered_recurrent<typename Place::as_output, Cell, Hidden>;
+
+    static void fold(const parameter_source& list, float* to) {
+        const float* const values = Place::parameters(list).values;
+        if constexpr (requires { step::fold(values, to); })
+            step::fold(values, to);
+        else
+            std::copy_n(values, step::folded_elements, to);
+    }
+};
+
+template <class Cell, std::size_t Hidden>
+struct lowering<recurrent<Cell, Hidden>> {
+    template <class>
+    static constexpr bool in_stream = true;
+    template <class Place>
+    using at = lowered_recurrent<Place, Cell, Hidden>;
+};
+
+}} // namespace tactnet
