@@ -38,7 +38,9 @@ void same_as(const Recogniser& recogniser, const Packed& packed) {
         REQUIRE(original.infer(counts, expected) == tactnet::frame_status::ok);
         REQUIRE(recogniser.infer(counts, found) == tactnet::frame_status::ok);
         CHECK(std::equal(expected.begin(), expected.end(), found.begin()));
-        const auto right = tactnet::classify_logits(expected, recogniser.class_count(), 0.7);
+        const auto right = Network::ends_in_softmax
+                               ? tactnet::classify_probabilities(expected, recogniser.class_count(), 0.7)
+                               : tactnet::classify_logits(expected, recogniser.class_count(), 0.7);
         CHECK(recogniser.classify(counts)->index == right->index);
         CHECK(recogniser.classify(counts)->probability == right->probability);
     }
