@@ -1,4 +1,4 @@
-#include <tactnet/io/model_file.hpp>
+#include <tactnet/io.hpp>
 
 #include <doctest/doctest.h>
 
