@@ -11,6 +11,7 @@
 
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/eight_bit/steps.hpp>
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/operators.hpp>
 #include <tactnet/runtime/random.hpp>

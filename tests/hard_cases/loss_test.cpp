@@ -5,6 +5,7 @@
 
 #include "hold.hpp"
 
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/operators.hpp>
 #include <tactnet/training/loss.hpp>

@@ -3,6 +3,7 @@
 // Networks for hard frames, trained briefly on distinguishable frames, so that weights, biases and running
 // moments come from training, not from initialisation.
 
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/training/initialise.hpp>
 #include <tactnet/training/loss.hpp>

@@ -4,6 +4,7 @@
 
 #include "../hold.hpp"
 
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/operators.hpp>
 
