@@ -3,6 +3,7 @@
 
 #include <tactnet/deployment.hpp>
 #include <tactnet/io/model_file.hpp>
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/operators.hpp>
 
