@@ -3,6 +3,7 @@
 #include "../peers/peer.hpp"
 #include "../support/described_network.hpp"
 
+#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/quantisation.hpp>
 #include <tactnet/training/initialise.hpp>
 

@@ -1,6 +1,6 @@
 """The one-file forms of the library.
 
-python3 check.py redirect FILE FOLDER     for each header that FILE holds, a file of its name that includes the whole
+python3 check.py redirect FOLDER FILE…     for each header that a file holds, a file of its name that includes the whole
 python3 check.py same_bytes AMALGAMATE FOLDER      the same sources give the same bytes
 """
 
@@ -11,15 +11,17 @@ import subprocess
 import sys
 
 
-def redirect(file, folder):
+def redirect(folder, *files):
     shutil.rmtree(folder, ignore_errors=True)
-    headers = re.findall("^// ---- (tactnet/.*)$", pathlib.Path(file).read_text(), re.M)
-    if not headers:
-        sys.exit(f"{file}: expected headers, found none")
-    for header in [*headers, "one_file.hpp"]:  # two units of every program, first.cpp and second.cpp, include it by the last name
-        path = pathlib.Path(folder, header)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(f'#pragma once\n#include "{file}"\n')
+    for file in files:
+        headers = re.findall("^// ---- (tactnet/.*)$", pathlib.Path(file).read_text(), re.M)
+        if not headers:
+            sys.exit(f"{file}: expected headers, found none")
+        # Two units of every program, first.cpp and second.cpp, include everything by the last name.
+        for path in (pathlib.Path(folder, header) for header in [*headers, "one_file.hpp"]):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            before = path.read_text() if path.exists() else "#pragma once\n"
+            path.write_text(f'{before}#include "{file}"\n')
 
 
 def same_bytes(script, folder):
