@@ -374,6 +374,7 @@ TEST_CASE("sensor_health: a state that is damaged, cut or of another array chang
                                                                                {faults + 9, 2},
                                                                                {faults + 5 + 13, 3},
                                                                                {18, 2},
+                                                                               {20 + 7, 255},
                                                                                {19, 255},
                                                                                {16 + 13 + 2 * 154, 1},
                                                                                {faults, 1},

@@ -135,7 +135,7 @@ public:
             return opened;
         sensor_health found(settings_);
         from.read(found.learnt_), from.read(found.frames_), from.read(found.offset_);
-        bool possible = found.learnt_ <= most_learnt;
+        bool possible = found.learnt_ <= most_learnt && found.frames_ <= most_frames;
         for (std::uint16_t& level : found.level_) {
             from.read(level);
             possible &= level <= 255 * 256;
@@ -228,6 +228,7 @@ private:
     }
 
     static constexpr std::uint32_t most_learnt = 1U << 16U; ///< frames that the mean of the baseline counts
+    static constexpr std::uint64_t most_frames = std::uint64_t{1} << 63U; ///< that no robot lives to see
     static constexpr std::uint8_t dead_bit = 0x80; ///< of `suspect_frames_`, whose other bits count frames
     static constexpr std::uint8_t healthy_count = faults_of_array::healthy_count;
 
