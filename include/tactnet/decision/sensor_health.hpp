@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <span>
 
 // From the frames of a sensor that ages to frames like those that a network was trained on. Nothing here uses
@@ -83,7 +84,7 @@ public:
             count_signs();
         if (any)
             replace_suspects();
-        ++frames_;
+        frames_ += frames_ < std::numeric_limits<std::uint64_t>::max(); // or faults would be of the future
         return frame(clean_.tactels(), size);
     }
 
@@ -135,7 +136,7 @@ public:
             return opened;
         sensor_health found(settings_);
         from.read(found.learnt_), from.read(found.frames_), from.read(found.offset_);
-        bool possible = found.learnt_ <= most_learnt && found.frames_ <= most_frames;
+        bool possible = found.learnt_ <= most_learnt;
         for (std::uint16_t& level : found.level_) {
             from.read(level);
             possible &= level <= 255 * 256;
@@ -228,7 +229,6 @@ private:
     }
 
     static constexpr std::uint32_t most_learnt = 1U << 16U; ///< frames that the mean of the baseline counts
-    static constexpr std::uint64_t most_frames = std::uint64_t{1} << 63U; ///< that no robot lives to see
     static constexpr std::uint8_t dead_bit = 0x80; ///< of `suspect_frames_`, whose other bits count frames
     static constexpr std::uint8_t healthy_count = faults_of_array::healthy_count;
 
