@@ -13,13 +13,14 @@ import sys
 # Every type, concept, function and constant needs a sentence; members whose names explain themselves, `bound` of an effect and `layer` of
 # a specification, and the room kernels, do not.
 UNDOCUMENTED = (r"(Compound (tactnet::kernels|\S*<|\S*::layer::)|of (struct|class|union) |of namespace tactnet::kernels).*is not documented"
-                r"|Compound \S*::(bound|layer) is not documented")
+                r"|Compound \S*::(bound|layer) is not documented"
+                r"|potential recursive class relation")  # of a template that derives from its next lower number
 PAGES = {
     "index.html": "structtactnet_1_1shape.html",  # the first page leads to the rooms
     "structtactnet_1_1shape.html": "The size of one sample",
     "classtactnet_1_1kernel__machine.html": "svm/kernel_machine.hpp",  # the header to include
     "examples.html": "own_network/main.cpp",
-    "concepttactnet_1_1layer.html": "requires",
+    "concepttactnet_1_1batch__layer.html": "requires",
 }
 SEARCHED = ("conv2d", "deploy", "load_model", "kernel_machine", "classify_logits", "any_recording")
 

@@ -77,10 +77,13 @@ struct folded_array {
         return product;
     }
 };
+/// The array of the range of a step's input.
 inline constexpr folded_array range_of_input{
     "input", folded_kind::range, {map_range::numbers}, &step_ranges::input};
+/// The array of the range of the map that a step adds.
 inline constexpr folded_array range_of_added{
     "added", folded_kind::range, {map_range::numbers}, &step_ranges::added};
+/// The array of the range of a step's output.
 inline constexpr folded_array range_of_output{
     "output", folded_kind::range, {map_range::numbers}, &step_ranges::output};
 
