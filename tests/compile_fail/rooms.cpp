@@ -149,7 +149,7 @@ const tactnet::labelled_features features{values, labels(), 2};
 
 #ifdef CASE_labelled_images_of_temporary
 // expect: use of deleted function|deleted (constructor|function)
-// expect: borrowed_span
+// expect: image_pixels
 #include <tactnet/training.hpp>
 
 #include <vector>
@@ -164,7 +164,7 @@ const tactnet::labelled_images images{load().pixels, labels, 2};
 #endif
 
 #ifdef CASE_labelled_images_of_floats
-// expect: labelled_images: images are 8-bit counts (std::uint8_t); for floats, such as features or filtered values, use labelled_features
+// expect: labelled_images: images are 8-bit counts .std::uint8_t.; for floats, such as features or filtered values, use labelled_features
 #include <tactnet/training.hpp>
 
 #include <vector>

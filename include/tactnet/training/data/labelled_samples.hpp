@@ -62,7 +62,10 @@ class image_pixels : public borrowed_span<const std::uint8_t> {
 public:
     using borrowed_span<const std::uint8_t>::borrowed_span;
     template <class Range>
-        requires std::is_convertible_v<Range, std::span<const float>>
+        requires(!borrowed_range<Range>)
+    image_pixels(const Range&&) = delete; // inherited, it would be two errors
+    template <class Range>
+        requires borrowed_range<Range> && std::is_convertible_v<Range, std::span<const float>>
     constexpr image_pixels(Range&&) {
         static_assert(sizeof(Range) == 0,
                       "labelled_images: images are 8-bit counts (std::uint8_t); for floats, such "
