@@ -14,13 +14,11 @@
 #include <tactnet/operators/gate/layer.hpp>
 #include <tactnet/operators/last_frame/layer.hpp>
 #include <tactnet/operators/local_response_norm/layer.hpp>
-#include <tactnet/operators/activations/layer.hpp>
 #include <tactnet/operators/pooling/layer.hpp>
 #include <tactnet/operators/recurrent/layer.hpp>
 #include <tactnet/operators/residual/layer.hpp>
 #include <tactnet/operators/sample_norms/layer.hpp>
 #include <tactnet/operators/sequence/layer.hpp>
 #include <tactnet/operators/sequence/named.hpp>
-#include <tactnet/operators/activations/layer.hpp>
 #include <tactnet/operators/transposed_convolution/layer.hpp>
 #include <tactnet/operators/upsampling/layer.hpp>

@@ -2,8 +2,8 @@
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/networks/tactnet6.hpp>
 #include <tactnet/networks/tactresnet.hpp>
-#include <tactnet/operators/dense/layer.hpp>
 #include <tactnet/operators/activations/layer.hpp>
+#include <tactnet/operators/dense/layer.hpp>
 #include <tactnet/training/initialise.hpp>
 #include <tactnet/training/metrics.hpp>
 #include <tactnet/training/recipe.hpp>

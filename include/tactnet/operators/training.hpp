@@ -13,13 +13,11 @@
 #include <tactnet/operators/last_frame/training.hpp>
 #include <tactnet/operators/local_response_norm/training.hpp>
 #include <tactnet/operators/norm_relu_pool/training.hpp>
-#include <tactnet/operators/activations/training.hpp>
 #include <tactnet/operators/pooling/training.hpp>
 #include <tactnet/operators/recurrent/training.hpp>
 #include <tactnet/operators/residual/training.hpp>
 #include <tactnet/operators/sample_norms/training.hpp>
 #include <tactnet/operators/sequence/training.hpp>
-#include <tactnet/operators/activations/training.hpp>
 #include <tactnet/operators/transposed_convolution/training.hpp>
 #include <tactnet/operators/upsampling/training.hpp>
 

@@ -49,7 +49,8 @@ private:
 class normalised_batch {
 public:
     /// `size` is the number of pixels. The mean is zero and the scale 1 until set.
-    normalised_batch(std::size_t size, thread_pool& threads) : threads_(threads), mean_(size), samples_(size) {}
+    normalised_batch(std::size_t size, thread_pool& threads)
+        : threads_(threads), mean_(size), samples_(size) {}
 
     /// Subtracts the mean of the chosen images, one or more, summed in integers without rounding errors.
     void subtract_mean(std::span<const std::uint8_t> pixels, std::span<const std::size_t> chosen) {
