@@ -1,8 +1,6 @@
 #include "../deployment/eight_bit/networks.hpp"
 
-#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/caches.hpp>
-#include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/operators.hpp>
@@ -15,12 +13,10 @@ using net = tactnet4<shape{14, 25}, 22>;
 using bytes_net = deployed<net, eight_bit>;
 
 // Little memory is what 8 bits are for. Where no instruction multiplies bytes, weights lie in words of 16;
-// and tiles, which may pay in 8 bits where they do not in floats, take memory on the way. Vectors of four
-// floats without products of bytes have both, and need more memory than floats (docs/recognise/eight_bit.md).
-constexpr bool words_of_tiles_alone = kernels::lanes<float> == 4 && kernels::byte_products<4>::group != 4;
-static_assert(words_of_tiles_alone || bytes_net::weight_bytes < deployed<net>::weight_bytes * 3 / 4);
-static_assert(words_of_tiles_alone || bytes_net::weight_bytes + bytes_net::workspace_bytes <
-                                          deployed<net>::weight_bytes + deployed<net>::workspace_bytes);
+// and tiles, which may pay in 8 bits where they do not in floats, take memory on the way.
+static_assert(bytes_net::weight_bytes < deployed<net>::weight_bytes * 3 / 4);
+static_assert(bytes_net::weight_bytes + bytes_net::workspace_bytes <
+              deployed<net>::weight_bytes + deployed<net>::workspace_bytes);
 
 struct subject {
     using network = bytes_net;

@@ -205,7 +205,7 @@ private:
     static bool is_possible_mean(double mean, std::uint32_t touches) noexcept {
         return std::abs(mean) <= (touches > 0 ? double{std::numeric_limits<float>::max()} : 0.0);
     }
-    /// Of touches that differ, the smallest square is near 2⁻⁴⁰⁴, the largest that of half the range of
+    /// If touches differ, their smallest square is near 2⁻⁴⁰⁴, the largest that of half the range of
     /// float.
     static bool are_possible_squares(double squares, std::uint32_t touches) noexcept {
         constexpr double most = double{std::numeric_limits<float>::max()};

@@ -61,7 +61,7 @@ struct single_precision {
 /// Reads a frame into the map of the first step. Specialised for each number format.
 template <class Format, shape Input>
 struct input_stage;
-/// The same for a frame of a stream.
+/// Reads a frame of a stream.
 template <class Format, std::size_t Features>
 struct stream_input_stage;
 /// Writes the map of the last step as outputs. Specialised for each number format.
@@ -182,7 +182,7 @@ namespace detail {
     }
     return most;
 }
-/// The same for biases after the weights.
+/// As above, with the biases after the weights.
 [[nodiscard]] inline double largest_sum(const float* weights, std::size_t outputs, std::size_t of_one,
                                         double input) {
     return largest_sum(weights, weights + outputs * of_one, outputs, of_one, input);

@@ -75,7 +75,8 @@ struct calibration_graph {
                 return value;
         return of_maps[maps[map].range];
     }
-    /// Of each range that calibration finds: its index, and that of its step in the order of folded numbers.
+    /// The index of each range that calibration finds, and the index of its step in the order of folded
+    /// numbers.
     [[nodiscard]] [[gnu::cold]] std::vector<std::pair<std::size_t, std::size_t>> observed_ranges() const {
         std::vector<std::pair<std::size_t, std::size_t>> found;
         for (const graph_node& node : nodes) {
