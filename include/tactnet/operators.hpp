@@ -1,24 +1,8 @@
 #pragma once
 
-#include <tactnet/operators/activations/layer.hpp>
 #include <tactnet/operators/activations/piecewise.hpp>
 #include <tactnet/operators/activations/smooth.hpp>
-#include <tactnet/operators/batch_norm/layer.hpp>
-#include <tactnet/operators/causal_convolution/layer.hpp>
-#include <tactnet/operators/channel_scale/layer.hpp>
-#include <tactnet/operators/concatenation/layer.hpp>
-#include <tactnet/operators/convolution/layer.hpp>
-#include <tactnet/operators/dense/layer.hpp>
-#include <tactnet/operators/dilated_convolution/layer.hpp>
-#include <tactnet/operators/dropout/layer.hpp>
-#include <tactnet/operators/gate/layer.hpp>
-#include <tactnet/operators/last_frame/layer.hpp>
-#include <tactnet/operators/local_response_norm/layer.hpp>
-#include <tactnet/operators/pooling/layer.hpp>
-#include <tactnet/operators/recurrent/layer.hpp>
-#include <tactnet/operators/residual/layer.hpp>
-#include <tactnet/operators/sample_norms/layer.hpp>
-#include <tactnet/operators/sequence/layer.hpp>
+#include <tactnet/operators/folders.hpp>
 #include <tactnet/operators/sequence/named.hpp>
-#include <tactnet/operators/transposed_convolution/layer.hpp>
-#include <tactnet/operators/upsampling/layer.hpp>
+
+// Every operator, as layers to build networks of.

@@ -67,6 +67,8 @@ OPERATORS = {
     "shared": "shared",
 }
 OPERATOR_KINDS = {"costs": "layer", "frames": "layer", "layer_list": "layer", "named": "layer", "trained_layer": "training"}
+# The list of the folders of operators/, which its umbrellas read.
+FOLDERS = "operators/folders.hpp"
 # Folders that only these and they themselves include: a simulation of your own objects does not pay for the paper's 22 classes.
 CLOSED = {"simulation/paper": "simulation.hpp"}
 # What only kernels/ may know.
@@ -133,7 +135,7 @@ def check_includes(root):
             yield f"{header}: there is no room '{room_of(header)}'; give it its place in tests/layering/check.py"
             continue
         text = (folder / header).read_text()
-        if not re.search(r"^#pragma once$", text, re.M):
+        if not re.search(r"^#pragma once$", text, re.M) and header != FOLDERS:
             yield f"{header}: has no '#pragma once'"
         if re.match(r"#pragma once\n+(//.*\n)+\n+#include", text):
             yield f"{header}: has its comment in front of its includes, not behind them"
@@ -151,13 +153,17 @@ def check_includes(root):
                 first = purposes.setdefault((found[1], found[3]), place)
                 if first != place:
                     yield f"{place}: the number of {found[2]} is that of {first}"
-    # An operator's file that its umbrella leaves out would be no part of the library.
-    for kind in ("layer", "training", "lowering", "eight_bit", "reference"):
-        umbrella = "operators.hpp" if kind == "layer" else f"operators/{kind}.hpp"
-        listed = (folder / umbrella).read_text() if (folder / umbrella).exists() else ""
-        for header in headers:
-            if re.fullmatch(rf"operators/[a-z_]+/{kind}\.hpp", header) and f"<tactnet/{header}>" not in listed:
-                yield f"{umbrella}: does not include <tactnet/{header}>"
+    # An operator that the list leaves out would be no part of the library, and the tests of operators would not know it.
+    text = (folder / FOLDERS).read_text() if (folder / FOLDERS).exists() else ""
+    listed = dict((name, macro) for macro, name in re.findall(r"^#include TACTNET_FILE_(\w+)\((\w+)\)$", text, re.M))
+    for name in sorted({header.split("/")[1] for header in headers if re.fullmatch(r"operators/[a-z_]+/layer\.hpp", header)}):
+        macro = "OF" if f"operators/{name}/eight_bit.hpp" in headers else "WITHOUT_STEP"
+        if listed.get(name) != macro:
+            yield f"{FOLDERS}: expected #include TACTNET_FILE_{macro}({name})"
+    references = (folder / "operators/reference.hpp").read_text() if (folder / "operators/reference.hpp").exists() else ""
+    for header in headers:
+        if re.fullmatch(r"operators/[a-z_]+/reference\.hpp", header) and f"<tactnet/{header}>" not in references:
+            yield f"operators/reference.hpp: does not include <tactnet/{header}>"
     if not headers:
         yield f"there are no headers in {folder}"
 
@@ -219,7 +225,7 @@ def self_check(root):
             "kernels/frame/includes_batch.hpp:4: 'kernels/frame' may not include",
             "kernels/includes_operators.hpp:4: room 'kernels' may not include",
             "operators/comment_first.hpp: has its comment in front",
-            "operators.hpp: does not include <tactnet/operators/unlisted/layer.hpp>",
+            "operators/folders.hpp: expected #include TACTNET_FILE_WITHOUT_STEP\\(unlisted\\)",
             "operators/dense/step.hpp:3: a file of operators/ with this name may not include",
             "operators/dense/step.hpp:4: only training.hpp may include",
             "operators/includes_unknown.hpp:3: .* no room",

@@ -123,7 +123,13 @@ class Tests:
                       if not {"hard_cases", "examples"} & set(path.parts) and "peers" not in path.name}
 
     def included(self, path):
-        return re.findall(r'#include [<"]([\w/.]+)[>"]', path.read_text())
+        text = path.read_text()
+        names = re.findall(r'#include [<"]([\w/.]+)[>"]', text)
+        # An umbrella of operators names its file of each folder in the list.
+        if file := re.search(r"#define TACTNET_FILE_OF\(folder\) <(.*)>", text):
+            folders = re.findall(r"#include TACTNET_FILE_\w+\((\w+)\)", (HEADERS / "operators/folders.hpp").read_text())
+            names += [file[1].replace("/folder/", f"/{folder}/") for folder in folders]
+        return names
 
     def reached(self, path):
         """Returns all headers of the library that a file includes, directly or not."""
