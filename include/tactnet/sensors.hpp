@@ -3,6 +3,8 @@
 #include <tactnet/sensors/any_recording.hpp>
 #include <tactnet/sensors/calibration.hpp>
 #include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/described/description.hpp>
+#include <tactnet/sensors/described/description_file.hpp>
 #include <tactnet/sensors/frame.hpp>
 #include <tactnet/sensors/matrix_stream.hpp>
 #include <tactnet/sensors/recording.hpp>

@@ -47,7 +47,7 @@ HEADERS = {
 }
 # Of some rooms only these headers.
 ONLY = {
-    ("sensors", "io"): "file_error read_file",  # what needs nothing but the standard library, as sensors must work without any other
+    ("sensors", "io"): "file_error read_file safetensors/json_scanner",  # what needs nothing but the standard library, as sensors must work without any other
     ("eigen", "sensors"): "frame",  # what has frames and rows in it, which needs nothing but tensors
     ("eigen", "svm"): "feature_rows",
     ("simulation", "sensors"): "tekscan_6077",  # what sensors there are, not what they send

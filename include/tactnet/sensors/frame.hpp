@@ -31,6 +31,7 @@ struct recording_description {
     std::optional<double> column_spacing{}; ///< metres between the centres of neighbouring columns
     std::optional<double> cell_area{};      ///< square metres
     pressure_unit unit = pressure_unit::raw;
+    std::optional<double> full_scale{};          ///< the largest count
     std::optional<double> saturation_pressure{}; ///< pascal at the largest count
     std::optional<double> noise_threshold{};     ///< counts
     std::optional<double> seconds_per_frame{};
@@ -52,7 +53,8 @@ struct frame_view {
     std::uint64_t number = 0;      ///< as in the source, else counted from 1
     std::optional<double> seconds; ///< since the start of the source
     std::size_t rows = 0, columns = 0;
-    std::span<const float> cells; ///< rows × columns, row by row
+    std::span<const float> cells; ///< rows × columns, row by row; NaN: broken, only in described formats
+    bool certain = true;          ///< false if later bytes may show that the frame is not whole
 
     [[nodiscard]] float operator()(std::size_t row, std::size_t column) const {
         return cells[row * columns + column];

@@ -2,8 +2,10 @@
 
 #include <tactnet/detail/function_ref.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/text/numbers.hpp>
 #include <tactnet/text/quoting.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -12,7 +14,8 @@
 #include <string_view>
 #include <utility>
 
-// Just enough JSON (RFC 8259) for the header of a safetensors file, which is untrusted text. No tree is
+// Just enough JSON (RFC 8259) for the header of a safetensors file or the description of an array, which are
+// untrusted text. No tree is
 // built; the caller states what comes next, and each deviation is a file_error with its byte. Duplicate keys
 // are rejected: readers that keep the first and readers that keep the last would see two different files.
 
@@ -101,6 +104,34 @@ public:
         if (position_ < text_.size() && (text_[position_] == '.' || (text_[position_] | 0x20) == 'e'))
             fail("a whole number");
         return value;
+    }
+
+    /// Reads any number that a double can hold.
+    [[gnu::cold]] double number() {
+        skip_space();
+        const std::size_t at = position_;
+        skip_number();
+        const bool negative = text_[at] == '-';
+        const char* const begin = text_.data() + at + (negative ? 1 : 0);
+        const auto [value, end] = read_floating_point<double>(begin, text_.data() + position_);
+        if (end == nullptr)
+            fail_at(at, "a number that a double can hold",
+                    {detail::quoted{text_.substr(at, position_ - at)}});
+        return negative ? -value : value;
+    }
+
+    [[gnu::cold]] bool boolean() {
+        skip_space();
+        const bool value = skip_word("true");
+        if (!value && !skip_word("false"))
+            fail("true or false");
+        return value;
+    }
+
+    /// Whether a string comes next.
+    [[nodiscard]] [[gnu::cold]] bool is_string() {
+        skip_space();
+        return position_ < text_.size() && text_[position_] == '"';
     }
 
     /// Reads past any value, nested at most `depth` deep, so that no text can exhaust the stack.
