@@ -2,6 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/described/description.hpp>
 #include <tactnet/text/message.hpp>
 
 #include <algorithm>
@@ -20,8 +21,6 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The encoding of a cell.
 enum class cell_format : std::uint8_t { uint8, uint16_little, uint16_big, float32_little };
-/// The order of the cells.
-enum class cell_order : std::uint8_t { rows, columns };
 
 /// The layout of the stream.
 struct matrix_stream_format {
