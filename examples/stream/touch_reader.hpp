@@ -96,9 +96,7 @@ private:
             return;
         }
         std::array<float, touch_network::outputs> logits;
-        // Behind a touch come frames of air before it is over.
-        if (contact.area >= tactnet::contact_settings{}.begin_area &&
-            deployed_.infer(clean, logits) == tactnet::frame_status::ok)
+        if (contact.firm && deployed_.infer(clean, logits) == tactnet::frame_status::ok)
             evidence_.add_frame(logits);
         result.found = evidence_.most_likely();
     }

@@ -87,6 +87,45 @@ TEST_CASE("contact_detector: settings of 0 mean their least value") {
     CHECK_FALSE(detector.update(counts).touching);
 }
 
+TEST_CASE("contact_detector: the tactels that begin a contact follow from the array, unless they are set") {
+    CHECK(contact_settings::begin_area_of({64, 64}) == 12);
+    CHECK(contact_settings::begin_area_of({28, 50}) == 12);
+    CHECK(contact_settings::begin_area_of({20, 35}) == 6);
+    CHECK(contact_settings::begin_area_of({7, 13}) == 3);
+    CHECK(contact_settings::begin_area_of({4, 4}) == 1);
+    CHECK(contact_settings::begin_area_of({1, 1}) == 1);
+    std::array<std::uint8_t, 91> three{50, 50, 50};
+    contact_detector<shape{7, 13}> by_default, set({.begin_area = 4});
+    for (int i = 0; i < 2; ++i) {
+        CHECK(by_default.update(three).touching == (i == 1));
+        CHECK_FALSE(set.update(three).touching);
+    }
+    three[1] = 0; // 2: neither begins nor ends it
+    for (int i = 0; i < 3; ++i)
+        CHECK(by_default.update(three).touching);
+    CHECK_FALSE(by_default.now().firm);
+}
+
+TEST_CASE("contact_detector: frames of air after a release are not firm") {
+    contact_detector<array> detector;
+    std::vector<bool> touching, firm;
+    for (const std::size_t area : {100, 100, 100, 12, 11, 100, 0, 0, 0}) {
+        const contact_state& now = detector.update(pressed(area, 50));
+        touching.push_back(now.touching), firm.push_back(now.firm);
+    }
+    CHECK(touching == std::vector<bool>{false, true, true, true, true, true, true, true, false});
+    CHECK(firm == std::vector<bool>{false, true, true, true, false, true, false, false, false});
+}
+
+TEST_CASE("contact_detector: the noise of air raises the least count, also when its largest is not seen") {
+    contact_detector<shape{4, 4}> detector;
+    std::array<std::uint8_t, 16> air{};
+    for (std::size_t i = 0; i < 8; ++i)
+        air[i] = 4; // of noise of 4 counts: the others are below the baseline
+    detector.learn(air);
+    CHECK(detector.pressed() == 20);
+}
+
 // A stream of a sensor that drifts, with noise, creep and long contacts; simulated, since no such recording
 // is available.
 

@@ -1,41 +1,48 @@
-#include <tactnet/decision/contact_detector.hpp>
-#include <tactnet/decision/sensor_health.hpp>
-#include <tactnet/io/images/set.hpp>
+#include "touches_by_size.hpp"
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
-#include <array>
-#include <cstdint>
 #include <decode_image.hpp>
-#include <span>
 #include <support/files/data_folder.hpp>
+#include <type_traits>
+
+namespace {
 
 using namespace tactnet;
 
-TEST_CASE("decision: every real image is a contact, and none has a tactel that looks faulty" *
+const auto at_every_size = [](const auto& check) {
+    check(std::integral_constant<shape, shape{28, 50}>{});
+    check(std::integral_constant<shape, shape{20, 35}>{});
+    check(std::integral_constant<shape, shape{14, 25}>{});
+    check(std::integral_constant<shape, shape{16, 16}>{});
+    check(std::integral_constant<shape, shape{10, 18}>{});
+    check(std::integral_constant<shape, shape{7, 13}>{});
+};
+
+} // namespace
+
+TEST_CASE("decision: at every size, each real touch is felt, stays as it is, and is not taken for air" *
           doctest::test_suite("data")) {
-    constexpr shape array{28, 50};
     const auto root = support::find_data("tactile_images");
     if (!root)
         return;
-    const image_set images = load_images(list_image_folder(*root), array.rows, array.columns, decode_image);
-    REQUIRE(images.labels.size() == 1100);
-    sensor_health<array> sensor;
-    contact_detector<array> detector;
-    std::size_t changed = 0, contacts = 0;
-    for (std::size_t i = 0; i < images.labels.size(); ++i) {
-        const auto raw = std::span(images.pixels).subspan(i * array.size()).first<array.size()>();
-        const auto clean = sensor.clean(raw);
-        changed += !std::equal(raw.begin(), raw.end(), clean.begin());
-        for (int frame = 0; frame < 2; ++frame)
-            (void)detector.update(raw);
-        contacts += detector.now().touching;
-        for (int frame = 0; frame < 3; ++frame)
-            (void)detector.update(std::array<std::uint8_t, array.size()>{});
-        CHECK_FALSE(detector.now().touching);
-    }
-    CHECK(changed == 0);
-    CHECK(contacts == 1100);
-    CHECK(sensor.faults().empty());
+    const image_set images = load_images(list_image_folder(*root), 28, 50, decode_image);
+    at_every_size([&]<shape Array>(std::integral_constant<shape, Array>) {
+        CAPTURE(Array.rows);
+        const auto found = touches_by_size::of_touches<Array>(images);
+        CHECK(found.touches == 1100);
+        CHECK(found.felt == 1100);
+        CHECK(found.altered == 0);
+        CHECK(found.held == 1);
+    });
+}
+
+TEST_CASE("decision: at every size, the noise of air is no contact, once it was learnt") {
+    at_every_size([]<shape Array>(std::integral_constant<shape, Array>) {
+        CAPTURE(Array.rows);
+        for (const double deviation : {1.5, 6.0})
+            CHECK(touches_by_size::contacts_in_air<Array>(deviation, 100'000, 1) == 0);
+    });
+    CHECK(touches_by_size::contacts_in_air<shape{4, 4}>(6, 100'000, 1) ==
+          0); // where a tactel begins a contact
 }

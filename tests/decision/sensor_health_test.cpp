@@ -270,6 +270,55 @@ TEST_CASE("sensor_health: an array with too many faults is worn out, and still g
     CHECK(std::count(found.begin(), found.end(), 0) >= 1399);
 }
 
+TEST_CASE("sensor_health: on a small array, whole rows and columns, pairs and single tactels are found") {
+    constexpr shape small{7, 13};
+    using small_frame = std::array<std::uint8_t, small.size()>;
+    small_frame pressed{};
+    for (std::size_t i = 0; i < pressed.size(); ++i)
+        pressed[i] = static_cast<std::uint8_t>(120 + i % 13);
+    const auto faults_at = [&](const std::vector<std::size_t>& places, const small_frame& under,
+                               std::uint8_t count) {
+        sensor_health<small> sensor;
+        small_frame broken = under;
+        for (const std::size_t place : places)
+            broken[place] = count;
+        for (int i = 0; i < 16; ++i)
+            (void)sensor.clean(broken);
+        return sensor.faults().size();
+    };
+    std::vector<std::size_t> row, column;
+    for (std::size_t i = 0; i < 11; ++i) // as many as can be faulty
+        row.push_back(3 * 13 + i);
+    for (std::size_t i = 0; i < 7; ++i)
+        column.push_back(i * 13 + 4);
+    CHECK(faults_at(column, {}, 255) == 7);
+    CHECK(faults_at(column, pressed, 0) == 5); // all but its ends
+    CHECK(faults_at(row, {}, 255) == 2);       // of part of a row, its ends
+    row.push_back(3 * 13 + 11), row.push_back(3 * 13 + 12);
+    CHECK(faults_at(row, {}, 255) == sensor_health<small>::max_faults);
+    CHECK(faults_at({30, 31, 80}, {}, 200) == 3);
+    CHECK(faults_at({30, 56}, pressed, 0) == 2);
+}
+
+TEST_CASE("sensor_health: follow leaves a pressed tactel as it is, and counts the offset of all") {
+    health sensor;
+    frame raw{};
+    raw.fill(20);
+    for (int i = 0; i < 20; ++i)
+        (void)sensor.clean(raw);
+    REQUIRE(sensor.mean_baseline() == 20);
+    raw[700] = 28; // pressed by 8
+    raw[701] = 27;
+    for (int i = 0; i < 256; ++i)
+        sensor.follow(raw);
+    for (int i = 0; i < 5; ++i) // the offset of all falls by what the baseline rose
+        (void)sensor.clean(raw);
+    const frame clean = cleaned(sensor, raw);
+    CHECK(clean[700] == 9);
+    CHECK(clean[701] == 7);
+    CHECK(clean[702] == 0);
+}
+
 TEST_CASE("sensor_health: calls do not allocate, for arrays of any size") {
     const auto check = []<shape Array>(std::integral_constant<shape, Array>) {
         std::mt19937 random(Array.rows);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 // How tactels are judged, the list of those that fail, and what their counts are replaced by.
@@ -23,16 +24,21 @@ struct tactel_fault {
     std::uint64_t since = 0; ///< the frame in which it was found, counted from 0
 };
 
-/// When a frame shows that a tactel may be faulty. A spike is far above nearly all of its eight neighbours:
-/// their counts are less than an eighth of its own. A hole has no pressure amid pressed neighbours. None of
-/// the 1100 images of Gandarias et al. (2019) has a tactel within the default limits, since elastic skin and
-/// the layers above the tactels blur every edge.
+/// When a frame shows that a tactel may be faulty. A spike is far above nearly all of its eight neighbours, a
+/// hole has no pressure amid pressed neighbours. None of the 1100 images of Gandarias et al. (2019) has a
+/// tactel within the default limits, since elastic skin and the layers above the tactels blur every edge. The
+/// fewer tactels an array has, the sharper are edges from one to the next: what is empty follows from the
+/// array, and is stricter below 1000 tactels.
 struct fault_limits {
     std::uint8_t spike = 100;  ///< the smallest count of a spike
     std::uint8_t hole = 2;     ///< the largest count of a hole
     std::uint8_t pressed = 60; ///< the smallest count of a pressed neighbour of a hole
-    std::uint8_t neighbours =
-        6; ///< how many neighbours are low or pressed; with 6, whole rows are found, too
+    /// How many neighbours are low or pressed. With 6, the default from 1000 tactels on, parts of rows and
+    /// columns are found; with 7, the default of smaller arrays, pairs of tactels and whole rows and columns.
+    std::optional<std::uint8_t> neighbours{};
+    /// A spike is so many times larger than what is low beside it, from 8. By default 8, or 16 below 1000
+    /// tactels.
+    std::optional<std::uint8_t> ratio{};
 };
 
 /// How sensor_health judges tactels.
@@ -49,6 +55,12 @@ struct health_settings {
     /// By how much the baseline follows a frame of air, in 1/256 count. The default is 0.4 counts per second
     /// at 100 frames per second.
     std::uint8_t follow = 1;
+    /// Counts above the baseline from which a tactel is pressed, and not followed: a touch too small to be
+    /// felt must not become the baseline. 255 follows at any distance.
+    std::uint8_t pressed = 8;
+    /// A touch leaves at least one in so many tactels free, from 2: the offset of all tactels is followed by
+    /// these. Empty: 4, or 8 below 1000 tactels.
+    std::optional<std::uint8_t> one_free_in{};
 };
 
 namespace detail {

@@ -38,7 +38,14 @@ public:
     /// Tactels that can be faulty at the same time; an array with more is worn out.
     static constexpr std::size_t max_faults = faults_of_array::most;
 
-    explicit sensor_health(const health_settings& settings = {}) noexcept : settings_(settings) {}
+    explicit sensor_health(const health_settings& settings = {}) noexcept
+        : settings_(settings),
+          limits_{.spike = settings.limits.spike,
+                  .hole = settings.limits.hole,
+                  .pressed = settings.limits.pressed,
+                  .neighbours = settings.limits.neighbours.value_or(is_fine ? 6 : 7),
+                  .ratio = std::max<std::uint8_t>(settings.limits.ratio.value_or(is_fine ? 8 : 16), 8)},
+          one_free_in_(std::max<std::uint8_t>(settings.one_free_in.value_or(is_fine ? 4 : 8), 2)) {}
 
     /// Takes a frame of air into the baseline: the mean of all frames since the last call of `forget`. A
     /// tactel above largest_baseline is stuck.
@@ -59,15 +66,23 @@ public:
     void forget() noexcept { *this = sensor_health(settings_); }
 
     /// Moves the baseline towards a frame of air by `follow`, whatever the distance (a sigma-delta filter:
-    /// Manzanera and Richefeu, "A new motion detection algorithm based on Σ-Δ background estimation", 2007).
+    /// Manzanera and Richefeu, "A new motion detection algorithm based on Σ-Δ background estimation", 2007),
+    /// but leaves tactels as they are that are `pressed`.
     void follow(frame air) noexcept {
         const std::uint16_t step = settings_.follow;
+        const auto pressed = static_cast<std::uint16_t>(
+            settings_.pressed < 255 ? std::min(255, settings_.pressed + offset_) * 256 : 0xFFFF);
         const auto most = static_cast<std::uint16_t>(stuck_level() > 0 ? stuck_level() - 1 : 0);
         for (std::size_t i = 0; i < size; ++i) {
             const auto target = static_cast<std::uint16_t>(air[i] << 8U);
             const std::uint16_t level = level_[i];
-            const auto up = static_cast<std::uint16_t>(
-                level < target && level < most ? std::min<int>(step, most - level) : 0);
+            // In 16 bits throughout, for vectors of them: a difference, or 0, is one of the larger.
+            const auto above = [](std::uint16_t a, std::uint16_t b) {
+                return static_cast<std::uint16_t>(std::max(a, b) - b);
+            };
+            const std::uint16_t distance = above(target, level);
+            const std::uint16_t room = std::min(above(most, level), above(pressed, distance));
+            const auto up = static_cast<std::uint16_t>(level < target ? std::min(step, room) : 0);
             const auto down = static_cast<std::uint16_t>(level > target ? std::min(step, level) : 0);
             level_[i] = static_cast<std::uint16_t>(level + up - down);
         }
@@ -157,45 +172,45 @@ private:
     }
     /// A stuck tactel keeps its counts, to be seen when it moves again.
     void set_baseline() noexcept {
-        for (std::size_t i = 0; i < size; ++i)
-            baseline_[i] =
-                static_cast<std::uint8_t>(level_[i] >= stuck_level() ? 0 : (level_[i] + 128) / 256);
+        const std::uint16_t stuck = stuck_level();
+        for (std::size_t i = 0; i < size; ++i) {
+            const auto rounded = static_cast<std::uint8_t>(static_cast<std::uint16_t>(level_[i] + 128) >> 8U);
+            baseline_[i] = level_[i] >= stuck ? std::uint8_t{0} : rounded;
+        }
     }
     void add_fault(std::size_t place, tactel_fault_kind kind) noexcept {
         faults_.add({static_cast<std::uint16_t>(place / Array.columns),
                      static_cast<std::uint16_t>(place % Array.columns), kind, frames_});
     }
 
-    /// Also follows an offset that all tactels have in common, by one count per frame: at most three quarters
-    /// of an array are pressed at once, so that the lowest quarter is at the baseline.
+    /// Also follows an offset that all tactels have in common, by one count per frame: the lowest quarter, or
+    /// other `one_free_in`, is at the baseline.
     void subtract_baseline(frame raw) noexcept {
         const std::uint8_t offset = offset_;
         const auto [at_most, below] =
             kernels::subtract_levels<size>(raw.data(), baseline_.data(), offset, clean_.tactels());
-        if (4 * at_most < size)
+        if (one_free_in_ * at_most < size)
             offset_ = static_cast<std::uint8_t>(offset + (offset < settings_.largest_baseline));
-        else if (4 * below >= size)
+        else if (one_free_in_ * below >= size)
             offset_ = static_cast<std::uint8_t>(offset - (offset > 0));
     }
 
     [[nodiscard]] bool find_suspects() noexcept {
-        const fault_limits& limits = settings_.limits;
-        return kernels::find_suspects<Array.rows, Array.columns>(
-            clean_.tactels(), {limits.spike, limits.hole, limits.pressed, limits.neighbours}, signs_.data());
+        return kernels::find_suspects<Array.rows, Array.columns>(clean_.tactels(), limits_, signs_.data());
     }
 
     /// Counts the frames that speak against each tactel.
     void count_signs() noexcept {
         // A tactel that is low is not stuck, one that is pressed is not dead.
         watching_ = false;
-        kernels::visit_nonzero(suspect_frames_, [&](std::size_t i) {
+        kernels::visit_nonzero(suspect_frames_.data(), size, [&](std::size_t i) {
             const std::uint8_t count = clean_.tactels()[i];
             const bool dead = suspect_frames_[i] & dead_bit;
             if (signs_[i] == 0 && (dead ? count > healthy_count : count < healthy_count))
                 suspect_frames_[i] = 0;
             watching_ = watching_ || suspect_frames_[i] != 0;
         });
-        kernels::visit_nonzero(signs_, [&](std::size_t i) {
+        kernels::visit_nonzero(signs_.data(), size, [&](std::size_t i) {
             const std::uint8_t kind = signs_[i] == kernels::hole_sign ? dead_bit : std::uint8_t{0};
             const auto frames = static_cast<std::uint8_t>((suspect_frames_[i] & ~dead_bit) + 1);
             suspect_frames_[i] = static_cast<std::uint8_t>(std::min(frames, frames_to_fault()) | kind);
@@ -221,18 +236,21 @@ private:
     /// Replaces counts that this frame alone shows to be wrong.
     void replace_suspects() noexcept {
         // What is replaced is never read: the order does not matter.
-        kernels::visit_nonzero(signs_, [&](std::size_t i) {
+        kernels::visit_nonzero(signs_.data(), size, [&](std::size_t i) {
             clean_.tactels()[i] = detail::neighbour_mean<Array>(i, [&](std::size_t neighbour) {
                                       return signs_[neighbour] != 0 || faults_.contains(neighbour);
                                   }).of(clean_);
         });
     }
 
+    static constexpr bool is_fine = size >= 1000;           ///< a touch spreads over many tactels
     static constexpr std::uint32_t most_learnt = 1U << 16U; ///< frames that the mean of the baseline counts
     static constexpr std::uint8_t dead_bit = 0x80; ///< of `suspect_frames_`, whose other bits count frames
     static constexpr std::uint8_t healthy_count = faults_of_array::healthy_count;
 
     health_settings settings_;
+    kernels::sign_limits limits_;
+    std::size_t one_free_in_;
     std::uint32_t learnt_ = 0;
     std::uint64_t frames_ = 0;
     bool watching_ = false;

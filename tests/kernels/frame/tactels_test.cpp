@@ -65,28 +65,47 @@ struct surrounded {
 template <std::size_t Rows, std::size_t Columns>
 void check_signs() {
     for (std::uint32_t seed = 0; seed < 90; ++seed) {
-        const sign_limits limits{60, 40, 120, static_cast<std::uint8_t>(seed % 9)}; // with any neighbours
+        const sign_limits limits{60, 40, 120, static_cast<std::uint8_t>(seed % 9), // with any neighbours
+                                 static_cast<std::uint8_t>(seed % 2 == 0 ? 8 : 20)};
         surrounded<Rows, Columns> array;
         const auto counts = random_counts(Rows * Columns, seed);
-        for (std::size_t i = 0; i < counts.size(); ++i) // many low and many pressed ones
+        const std::size_t row = seed % (2 * Rows), column = seed / 2 % (2 * Columns); // often beyond
+        for (std::size_t i = 0; i < counts.size(); ++i) { // many low and many pressed ones
             array.counts[i] = counts[i] < 100 ? static_cast<std::uint8_t>(counts[i] / 12) : counts[i];
+            if (i / Columns == row || i % Columns == column)
+                array.counts[i] = seed % 3 == 0 ? 255 : seed % 3 == 1 ? 0 : array.counts[i];
+            else if (i / Columns + 1 == row || i / Columns == row + 1 || i % Columns + 1 == column ||
+                     i % Columns == column + 1)
+                array.counts[i] = seed % 3 == 0 ? 5 : seed % 3 == 1 ? 200 : array.counts[i];
+        }
         const bool any = array.find(limits);
         std::size_t wrong = 0, found = 0;
         for (std::size_t y = 1; y <= Rows; ++y)
             for (std::size_t x = 1; x <= Columns; ++x) {
                 const int own = array.at(y, x);
-                int low = 0, pressed = 0;
+                const bool spike = own >= limits.spike;
+                const auto fits = [&](int count) {
+                    return spike ? count >= limits.spike : count <= limits.hole;
+                };
+                bool row_fits = limits.neighbours > 6, column_fits = row_fits;
+                for (std::size_t i = 1; i <= Columns; ++i)
+                    row_fits = row_fits && fits(array.at(y, i));
+                for (std::size_t i = 1; i <= Rows; ++i)
+                    column_fits = column_fits && fits(array.at(i, x));
+                int speak = 0, beside_row = 0, beside_column = 0;
                 for (const std::size_t i : {y - 1, y, y + 1})
                     for (const std::size_t j : {x - 1, x, x + 1})
-                        if (i != y || j != x) {
-                            low += array.at(i, j) < own / 8;
-                            pressed += array.at(i, j) >= limits.pressed;
+                        if ((i != y || j != x) && (spike ? array.at(i, j) < own / limits.ratio
+                                                         : array.at(i, j) >= limits.pressed)) {
+                            ++speak;
+                            beside_row += i != y;
+                            beside_column += j != x;
                         }
-                const int expected = own >= limits.spike && low >= limits.neighbours      ? spike_sign
-                                     : own <= limits.hole && pressed >= limits.neighbours ? hole_sign
-                                                                                          : 0;
+                const bool is_sign = (spike || own <= limits.hole) &&
+                                     (speak >= limits.neighbours || (row_fits && beside_row == 6) ||
+                                      (column_fits && beside_column == 6));
                 const int sign = array.signs[(y - 1) * Columns + x - 1];
-                wrong += sign != expected;
+                wrong += sign != (!is_sign ? 0 : spike ? spike_sign : hole_sign);
                 found += sign != 0;
             }
         CHECK(wrong == 0);

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <span>
 
-// What is computed for every tactel of a frame of 8-bit counts before a network sees it.
+// What is computed for every tactel of a frame before a network sees it: of 8-bit counts, or of deeper counts
+// in 1/256 of these, as 16 bits.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
@@ -46,7 +48,8 @@ sum_lanes(const count_words<std::uint16_t>& values) {
 sum_pairs(const uint8_vec<count_lanes>& values) {
     return sum_halves<std::uint16_t>(reinterpret_cast<count_words<std::uint16_t>>(values));
 }
-[[nodiscard]] [[gnu::always_inline]] inline bool any_set(const uint8_vec<count_lanes>& values) {
+template <class Vector>
+[[nodiscard]] [[gnu::always_inline]] inline bool any_set(const Vector& values) {
     const auto words = reinterpret_cast<count_words<std::uint64_t>>(values);
     std::uint64_t all = 0;
     for (std::size_t lane = 0; lane < count_lanes / sizeof(std::uint64_t); ++lane)
@@ -148,37 +151,57 @@ template <std::size_t Rows, std::size_t Columns>
 }
 
 /// The limits of find_suspects: see tactnet::fault_limits.
-struct sign_limits {
-    std::uint8_t spike, hole, pressed, neighbours;
+template <class T>
+struct basic_sign_limits {
+    T spike, hole, pressed;
+    std::uint8_t neighbours, ratio = 8;
 };
+using sign_limits = basic_sign_limits<std::uint8_t>;
 inline constexpr std::uint8_t spike_sign = 1, hole_sign = 2;
 
 /// The sign of one tactel. Neighbours beyond the array count 0.
-template <std::size_t Rows, std::size_t Columns>
-[[nodiscard]] std::uint8_t sign_of(const std::uint8_t* counts, std::size_t place,
-                                   const sign_limits& limits) noexcept {
-    const std::uint8_t own = counts[place];
-    std::size_t low = 0, pressed = 0;
+template <std::size_t Rows, std::size_t Columns, class T>
+[[nodiscard]] std::uint8_t sign_of(const T* counts, std::size_t place,
+                                   const basic_sign_limits<T>& limits) noexcept {
+    const T own = counts[place];
+    unsigned low = 0, pressed = 0; // a bit for each neighbour
     for (std::size_t n = 0; n < 8; ++n) {
         const std::size_t neighbour = neighbour_place<Rows, Columns>(place, n);
-        const std::uint8_t count = neighbour < Rows * Columns ? counts[neighbour] : std::uint8_t{0};
-        low += count < own / 8;
-        pressed += count >= limits.pressed;
+        const T count = neighbour < Rows * Columns ? counts[neighbour] : T{0};
+        low |= static_cast<unsigned>(count < own / limits.ratio) << n;
+        pressed |= static_cast<unsigned>(count >= limits.pressed) << n;
     }
-    return own >= limits.spike && low >= limits.neighbours      ? spike_sign
-           : own <= limits.hole && pressed >= limits.neighbours ? hole_sign
-                                                                : std::uint8_t{0};
+    // More than six rule out all but the ends of a row or column, unless all of it is alike.
+    const auto enough = [&](unsigned speak, const auto& alike) {
+        const auto line = [&](unsigned within, std::size_t first, std::size_t step, std::size_t end) {
+            if ((speak | within) != 0xFF)
+                return false;
+            for (std::size_t i = first; i < end; i += step)
+                if (!alike(counts[i]))
+                    return false;
+            return true;
+        };
+        const std::size_t row = place / Columns * Columns;
+        return static_cast<unsigned>(std::popcount(speak)) >= limits.neighbours ||
+               (limits.neighbours > 6 &&
+                (line(0x18, row, 1, row + Columns) || line(0x42, place % Columns, Columns, Rows * Columns)));
+    };
+    return own >= limits.spike && enough(low, [&](T count) { return count >= limits.spike; }) ? spike_sign
+           : own <= limits.hole && enough(pressed, [&](T count) { return count <= limits.hole; })
+               ? hole_sign
+               : std::uint8_t{0};
 }
 
-/// Calls visit(place) for each of `bytes` that is not 0. Most words of eight bytes are 0.
-template <class Visit>
-void visit_nonzero(std::span<const std::uint8_t> bytes, const Visit& visit) noexcept {
-    for (std::size_t first = 0; first < bytes.size(); first += sizeof(std::uint64_t)) {
-        const std::size_t end = std::min(first + sizeof(std::uint64_t), bytes.size());
+/// Calls visit(place) for each of `marks` that is not 0. Most words of eight bytes are 0.
+template <class T, class Visit>
+void visit_nonzero(const T* marks, std::size_t size, const Visit& visit) noexcept {
+    constexpr std::size_t step = sizeof(std::uint64_t) / sizeof(T);
+    for (std::size_t first = 0; first < size; first += step) {
+        const std::size_t end = std::min(first + step, size);
         std::uint64_t word = 0;
-        std::memcpy(&word, bytes.data() + first, end - first);
+        std::memcpy(&word, marks + first, (end - first) * sizeof(T));
         for (std::size_t i = first; word != 0 && i < end; ++i)
-            if (bytes[i] != 0)
+            if (marks[i] != 0)
                 visit(i);
     }
 }
@@ -186,23 +209,22 @@ void visit_nonzero(std::span<const std::uint8_t> bytes, const Visit& visit) noex
 /// Compares each tactel with its eight neighbours, and writes spike_sign, hole_sign or 0 to `signs`, which
 /// has whole vectors. `counts` is followed by zeros in whole vectors, and has Columns + 1 zeros around these.
 /// Returns whether any sign is not 0.
-template <std::size_t Rows, std::size_t Columns>
-[[nodiscard]] bool find_suspects(const std::uint8_t* counts, const sign_limits limits,
-                                 std::uint8_t* signs) noexcept {
+template <std::size_t Rows, std::size_t Columns, class T>
+[[nodiscard]] bool find_suspects(const T* counts, const basic_sign_limits<T> limits, T* signs) noexcept {
     constexpr std::size_t size = Rows * Columns;
     constexpr auto row = static_cast<std::ptrdiff_t>(Columns);
-    using vector = uint8_vec<count_lanes>;
+    constexpr T all = static_cast<T>(-1);
+    using vector = detail::count_words<T>;
     // Of enough neighbours, at most four are corners. Nearly always the other four rule out every sign: one
     // of them must be low, or two pressed. At the edges of the array, vectors hold tactels of the next row
-    // in place of zeros, which may hide a low neighbour.
-    constexpr std::size_t hidden = Columns > 1 ? 1 : 2;
-    const std::uint8_t low_anyway = limits.neighbours > 4 + hidden ? 0 : 255;
-    const std::uint8_t pressed_anyway = limits.neighbours > 5 ? 0 : 255;
+    // in place of zeros, which may hide a low neighbour, and in a single column hide both.
+    const T low_anyway = limits.neighbours > 5 && Columns > 1 ? T{0} : all;
+    const T pressed_anyway = limits.neighbours > 5 ? T{0} : all;
     const auto smaller = [](const vector& a, const vector& b) -> vector { return a < b ? a : b; };
     const auto larger = [](const vector& a, const vector& b) -> vector { return a < b ? b : a; };
     vector any{};
-    for (std::size_t i = 0; i < size; i += count_lanes) {
-        const std::uint8_t* const from = counts + i;
+    for (std::size_t i = 0; i < size; i += count_lanes / sizeof(T)) {
+        const T* const from = counts + i;
         const auto own = load_bytes_as<vector>(from);
         const auto above = load_bytes_as<vector>(from - row), below = load_bytes_as<vector>(from + row),
                    left = load_bytes_as<vector>(from - 1), right = load_bytes_as<vector>(from + 1);
@@ -221,7 +243,7 @@ template <std::size_t Rows, std::size_t Columns>
     if (!detail::any_set(any))
         return false;
     bool found = false;
-    visit_nonzero({signs, whole_count_vectors(size)}, [&](std::size_t place) {
+    visit_nonzero(signs, whole_count_vectors(size), [&](std::size_t place) {
         signs[place] = place < size ? sign_of<Rows, Columns>(counts, place, limits) : std::uint8_t{0};
         found = found || signs[place] != 0;
     });
