@@ -1,7 +1,7 @@
 // Draws one picture per class of the paper: four simulated touches, and four real ones to their left if a
 // folder with one subfolder of images per class is given. Prints how alike simulated and real touches are.
 
-#include <tactnet/image/dynamic_resize.hpp>
+#include <tactnet/image/resize.hpp>
 #include <tactnet/io/images/folder.hpp>
 #include <tactnet/io/images/set.hpp>
 #include <tactnet/simulation/paper/objects.hpp>

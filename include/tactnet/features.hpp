@@ -4,4 +4,3 @@
 #include <tactnet/features/dense_surf.hpp>
 #include <tactnet/features/integral_image.hpp>
 #include <tactnet/features/k_means.hpp>
-#include <tactnet/features/surf_words.hpp>

@@ -7,6 +7,5 @@
 #include <tactnet/svm/kernel_training.hpp>
 #include <tactnet/svm/linear_by_products.hpp>
 #include <tactnet/svm/linear_machine.hpp>
-#include <tactnet/svm/standardisation.hpp>
 
 // Support vector machines: kernel and linear machines, probabilities, grid search.

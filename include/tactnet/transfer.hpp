@@ -4,6 +4,5 @@
 #include <tactnet/transfer/feature_extractor.hpp>
 #include <tactnet/transfer/networks.hpp>
 #include <tactnet/transfer/photograph.hpp>
-#include <tactnet/transfer/pretrained_trunk.hpp>
 
 // Transfer learning: pressure images with networks that were trained on photographs.

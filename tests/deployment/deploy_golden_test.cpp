@@ -3,7 +3,7 @@
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/networks/batch_passes.hpp>
-#include <tactnet/networks/normalisation.hpp>
+#include <tactnet/networks/model.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 

@@ -1,7 +1,6 @@
 #include "deployed_network.hpp"
 
-#include <tactnet/networks/imagenet/resnet.hpp>
-#include <tactnet/networks/imagenet/squeezenet.hpp>
+#include <tactnet/networks/imagenet.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,6 @@
 #include "images.hpp"
 
 #include <tactnet/features/bag_of_words.hpp>
-#include <tactnet/features/surf_words.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <doctest/doctest.h>

@@ -1,5 +1,4 @@
 #include <tactnet/image/augmentation.hpp>
-#include <tactnet/image/noise.hpp>
 #include <tactnet/image/three_channels.hpp>
 #include <tactnet/tensor/tensor.hpp>
 

@@ -1,6 +1,5 @@
 // Against the libraries that others resize with: tests/golden/resize.py made the file.
 
-#include <tactnet/image/dynamic_resize.hpp>
 #include <tactnet/image/resize.hpp>
 #include <tactnet/io/safetensors.hpp>
 

@@ -1,4 +1,4 @@
-#include <tactnet/image/dynamic_resize.hpp>
+#include <tactnet/image/resize.hpp>
 #include <tactnet/io/safetensors.hpp>
 
 #include <doctest/doctest.h>

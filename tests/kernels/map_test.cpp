@@ -1,6 +1,5 @@
 #include <tactnet/kernels/map/hartley.hpp>
 #include <tactnet/kernels/map/symmetric_convolution.hpp>
-#include <tactnet/kernels/map/symmetric_stencil.hpp>
 
 #include <doctest/doctest.h>
 

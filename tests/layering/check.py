@@ -43,7 +43,7 @@ HEADERS = {
     "io/svm_file.hpp": "svm",
     "io/deployed_file.hpp": "deployment networks",
     "io/eight_bit_file.hpp": "deployment networks",
-    "io/stored_deployed.hpp": "deployment",
+    "io/eight_bit_file.hpp": "deployment",
 }
 # Of some rooms only these headers.
 ONLY = {
@@ -169,8 +169,10 @@ def check_includes(root):
 
 
 def mirrors(include, test):
-    """Whether a test is called after a header, after one and a topic, or after a folder of headers."""
+    """Whether a test is called after a header, after one and a topic, or after a folder of headers, or is in a folder called after a header."""
     room, name = test.partition("/")[0], test.removesuffix("_test.cpp")
+    if "/" in test.rpartition("/")[0] and (include / f"{test.rpartition('/')[0]}.hpp").exists():
+        return True
     while True:
         if (include / f"{name}.hpp").exists() or (include / name).is_dir() or name == f"{room}/{room}" and (include / room).is_dir():
             return True

@@ -1,7 +1,6 @@
 #include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/model.hpp>
 #include <tactnet/networks/network.hpp>
-#include <tactnet/networks/normalisation.hpp>
 #include <tactnet/operators/activations/layer.hpp>
 #include <tactnet/operators/convolution/layer.hpp>
 #include <tactnet/operators/dense/layer.hpp>

@@ -3,7 +3,6 @@
 // Every header that declares a purpose.
 #include <tactnet/features/k_means.hpp>
 #include <tactnet/image/augmentation.hpp>
-#include <tactnet/image/noise.hpp>
 #include <tactnet/operators/dropout/training.hpp>
 #include <tactnet/simulation/effect.hpp>
 #include <tactnet/simulation/objects/object.hpp>

@@ -1,6 +1,5 @@
 #include "samples.hpp"
 
-#include <tactnet/svm/kernel/cache.hpp>
 #include <tactnet/svm/kernel/gram_matrix.hpp>
 #include <tactnet/svm/kernel/samples.hpp>
 #include <tactnet/svm/kernel/space.hpp>

@@ -3,7 +3,7 @@
 #include "console.hpp"
 #include "data/input_file.hpp"
 
-#include <tactnet/image/dynamic_resize.hpp>
+#include <tactnet/image/resize.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/text/quoting.hpp>
 

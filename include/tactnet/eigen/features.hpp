@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/eigen/elements.hpp>
-#include <tactnet/eigen/memory.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 
 #include <Eigen/Core>

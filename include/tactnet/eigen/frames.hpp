@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/eigen/elements.hpp>
-#include <tactnet/eigen/memory.hpp>
 #include <tactnet/sensors/frame.hpp>
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/tensor/tensor.hpp>

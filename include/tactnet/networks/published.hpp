@@ -5,7 +5,24 @@
 #include <cstddef>
 #include <optional>
 
+// Windows that lie symmetrically on a map, so that a network samples an image and its reflections at the same
+// places. With stride 2, a window of 2 pixels does so along an even side, and one of 3 along an odd side. A
+// window of 2 along an odd side hangs over the edge in its last place.
+
 namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// The window that lies symmetrically, with stride 2 and `padding::same`, on an image whose sides were halved
+/// `halvings` times, rounding up. It has `even` pixels, an even number, along an even side, and one more
+/// along an odd side.
+[[nodiscard]] constexpr extent2d symmetric_window(std::size_t rows, std::size_t columns, std::size_t even,
+                                                  std::size_t halvings) {
+    const auto side = [&](std::size_t size) {
+        for (std::size_t i = 0; i < halvings; ++i)
+            size = (size + 1) / 2;
+        return even + size % 2;
+    };
+    return {side(rows), side(columns)};
+}
 
 /// The resolutions of the paper. The array has 28 × 50 tactels; the other images are resized.
 enum class published_resolution { r28x50, r20x35, r14x25, r10x18, r7x13 };

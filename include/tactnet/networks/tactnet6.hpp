@@ -2,7 +2,6 @@
 
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/published.hpp>
-#include <tactnet/networks/symmetric_window.hpp>
 #include <tactnet/operators.hpp>
 
 #include <cstddef>

@@ -4,7 +4,7 @@
 #include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/operators/lowering.hpp>
 #include <tactnet/quantisation/calibrated_network.hpp>
-#include <tactnet/quantisation/graph_of.hpp>
+#include <tactnet/quantisation/graph.hpp>
 #include <tactnet/text/message.hpp>
 
 #include <algorithm>

@@ -3,8 +3,8 @@
 #include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/deployment/stream.hpp>
 #include <tactnet/operators/lowering.hpp>
-#include <tactnet/quantisation/graph_of.hpp>
-#include <tactnet/quantisation/stream_observer.hpp>
+#include <tactnet/quantisation/activation_observer.hpp>
+#include <tactnet/quantisation/graph.hpp>
 #include <tactnet/text/message.hpp>
 
 #include <algorithm>

@@ -8,7 +8,6 @@
 #include <tactnet/svm/kernel/space.hpp>
 #include <tactnet/svm/multiclass.hpp>
 #include <tactnet/svm/probability.hpp>
-#include <tactnet/svm/standardisation.hpp>
 #include <tactnet/tensor/aligned.hpp>
 #include <tactnet/text/message.hpp>
 

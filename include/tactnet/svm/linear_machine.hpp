@@ -5,7 +5,6 @@
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/svm/multiclass.hpp>
 #include <tactnet/svm/solvers/coordinate_descent.hpp>
-#include <tactnet/svm/standardisation.hpp>
 #include <tactnet/text/message.hpp>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/networks/normalisation.hpp>
+#include <tactnet/networks/model.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>

@@ -1,15 +1,20 @@
 #pragma once
 
-#include <tactnet/networks/imagenet/alexnet.hpp>
-#include <tactnet/networks/imagenet/resnet.hpp>
-#include <tactnet/networks/imagenet/squeezenet.hpp>
-#include <tactnet/networks/imagenet/vgg16.hpp>
+#include <tactnet/io/safetensors/source.hpp>
+#include <tactnet/io/stored_arrays.hpp>
+#include <tactnet/networks/imagenet.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/networks/published.hpp>
 #include <tactnet/operators.hpp>
 #include <tactnet/transfer/as_photograph.hpp>
+#include <tactnet/transfer/photograph.hpp>
 
+#include <array>
 #include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 // The paper's ImageNet networks for transfer learning (TL-NN): pretrained on photographs, fine-tuned on
 // pressure images of one channel, with a new last layer. The training settings are those of the authors'
@@ -74,6 +79,65 @@ using vgg16_nn = with_photograph_input<Touch, vgg16<shape{224, 224, 3}, Classes>
             .drop_period = 0,
             .patience = 0,
             .transfer = published_transfer{.epochs = 10, .batch = 32, .new_layer_factor = 20}};
+}
+
+/// Reads the preprocessing that the weights of a file were trained with: if the file has an array
+/// `input_mean` of three numbers (after `prefix`), these are subtracted from the counts; otherwise it is
+/// torchvision's. `File` is a safetensors_source or safetensors. Throws file_error for an array of another
+/// size, and for numbers that are not finite.
+template <class File>
+[[nodiscard]] photograph_preprocessing stored_photograph_preprocessing(File& file,
+                                                                       const std::string& prefix = "") {
+    const std::string name = prefix + "input_mean";
+    if (!file.contains(name))
+        return torchvision_photograph;
+    file.require_extents(name, std::array<std::size_t, 1>{3});
+    const std::vector<float> mean = file.template values<float>(name);
+    detail::check_values(file, name, mean);
+    return mean_photograph(mean[0], mean[1], mean[2]);
+}
+
+/// Reads the initial values for fine-tuning a pretrained network: the values of each array of a network that
+/// begins with as_photograph, in its order, and none for the last layer, which learns other classes. `form`
+/// gives the mean and variance of the photograph, for inputs of 0 … 1.
+///
+/// Throws one file_error that counts all arrays, and lists the first, that are missing, surplus or of other
+/// extents, and file_error for values that are not finite; std::invalid_argument for a network without
+/// as_photograph or without a last layer of its own.
+[[nodiscard]] inline std::vector<std::vector<float>> pretrained_trunk(safetensors_source& file,
+                                                                      const stored_arrays& arrays,
+                                                                      const photograph_preprocessing& form) {
+    const std::string last(arrays.output_layer());
+    if (last.empty() || arrays.list.size() < 4 || arrays.list[0].name != "photograph.running_mean")
+        throw std::invalid_argument(
+            "pretrained_trunk: expected a network with as_photograph in front and a layer "
+            "at its end with a filter for each class");
+    stored_arrays trunk;
+    for (const named_array& each : arrays.list)
+        if (!each.name.starts_with(last) && !each.name.starts_with("photograph."))
+            trunk.list.push_back(each);
+    // The last layer is not read: its classes may be others.
+    const std::array<std::string, 1> unread{last};
+    require_arrays(file, trunk, 0, unread);
+    std::vector<std::vector<float>> values;
+    std::vector<float> mean, variance;
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        const float deviation = 1 / (form.normalise.scale[channel] * 255);
+        mean.push_back(form.normalise.mean[channel] / 255);
+        variance.push_back(deviation * deviation);
+    }
+    values.push_back(std::move(mean));
+    values.push_back(std::move(variance));
+    for (std::size_t i = 2; i < arrays.list.size(); ++i) {
+        const std::string& name = arrays.list[i].name;
+        if (name.starts_with(last)) {
+            values.emplace_back();
+            continue;
+        }
+        values.push_back(file.values<float>(name));
+        detail::check_values(file, name, values.back());
+    }
+    return values;
 }
 
 }} // namespace tactnet

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/image/dynamic_resize.hpp>
 #include <tactnet/image/resize.hpp>
 #include <tactnet/image/three_channels.hpp>
 #include <tactnet/tensor/shape.hpp>

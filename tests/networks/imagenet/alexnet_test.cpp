@@ -1,4 +1,4 @@
-#include <tactnet/networks/imagenet/alexnet.hpp>
+#include <tactnet/networks/imagenet.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 #include <tactnet/deployment.hpp>
-#include <tactnet/networks/imagenet/resnet.hpp>
+#include <tactnet/networks/imagenet.hpp>
 
 #include <doctest/doctest.h>
 

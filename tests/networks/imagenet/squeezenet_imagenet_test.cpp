@@ -1,6 +1,6 @@
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/networks/batch_passes.hpp>
-#include <tactnet/networks/imagenet/squeezenet.hpp>
+#include <tactnet/networks/imagenet.hpp>
 
 #include <doctest/doctest.h>
 

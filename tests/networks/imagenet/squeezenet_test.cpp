@@ -1,4 +1,4 @@
-#include <tactnet/networks/imagenet/squeezenet.hpp>
+#include <tactnet/networks/imagenet.hpp>
 
 #include <doctest/doctest.h>
 

@@ -5,8 +5,8 @@
 #include "methods/description.hpp"
 #include "methods/networks/compiled.hpp"
 
-#include <tactnet/io/stored_deployed.hpp>
-#include <tactnet/transfer/pretrained_trunk.hpp>
+#include <tactnet/io/eight_bit_file.hpp>
+#include <tactnet/transfer/networks.hpp>
 
 namespace {
 

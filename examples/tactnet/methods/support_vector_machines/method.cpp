@@ -6,7 +6,7 @@
 #include "methods/support_vector_machines/machine.hpp"
 #include "methods/trunks/features.hpp"
 
-#include <tactnet/features/surf_words.hpp>
+#include <tactnet/features/bag_of_words.hpp>
 #include <tactnet/runtime/random.hpp>
 
 #include <fmt/format.h>

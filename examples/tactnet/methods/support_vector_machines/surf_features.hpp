@@ -4,7 +4,7 @@
 
 #include "methods/support_vector_machines/features.hpp"
 
-#include <tactnet/features/surf_words.hpp>
+#include <tactnet/features/bag_of_words.hpp>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

@@ -8,6 +8,7 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/pretrained.hpp>
 #include <tactnet/networks.hpp>
+#include <tactnet/networks/imagenet.hpp>
 #include <tactnet/training/initialise.hpp>
 
 /// The trunks there are: a network each, up to the layer that the paper's authors took features from. A new

@@ -9,7 +9,7 @@
 #include <tactnet/io/pretrained.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/transfer/feature_extractor.hpp>
-#include <tactnet/transfer/pretrained_trunk.hpp>
+#include <tactnet/transfer/networks.hpp>
 
 #include <interrupt.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/frame/dense.hpp>
-#include <tactnet/kernels/local_response.hpp>
+#include <tactnet/kernels/norms.hpp>
 #include <tactnet/kernels/sampling_axis.hpp>
 #include <tactnet/lowering/eight_bit_format.hpp>
 #include <tactnet/operators/activations/function.hpp>

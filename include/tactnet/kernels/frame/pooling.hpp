@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/kernels/frame/pixels.hpp>
+#include <tactnet/kernels/frame/elementwise.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/tensor/pooling_windows.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/frame/pixels.hpp>
+#include <tactnet/kernels/frame/elementwise.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/kernels/simd/xsimd.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/elementwise.hpp>
-#include <tactnet/kernels/frame/ordered_product.hpp>
+#include <tactnet/kernels/frame/dense.hpp>
 #include <tactnet/lowering/step.hpp>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/batch/channel_factors.hpp>
+#include <tactnet/kernels/batch/reductions.hpp>
 #include <tactnet/operators/gate/layer.hpp>
 #include <tactnet/operators/sequence/training.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/integer/local_response.hpp>
+#include <tactnet/kernels/integer/norms.hpp>
 #include <tactnet/lowering/eight_bit_format.hpp>
 #include <tactnet/lowering/quantise.hpp>
 #include <tactnet/operators/local_response_norm/step.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/frame/ordered_product.hpp>
+#include <tactnet/kernels/frame/dense.hpp>
 #include <tactnet/lowering/step.hpp>
 #include <tactnet/operators/recurrent/cell.hpp>
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/kernels/batch/lane_products.hpp>
-#include <tactnet/kernels/batch/weight_gradients.hpp>
 #include <tactnet/operators/recurrent/cell.hpp>
 #include <tactnet/operators/recurrent/layer.hpp>
 #include <tactnet/operators/trained_layer.hpp>

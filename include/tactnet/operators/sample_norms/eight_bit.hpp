@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/kernels/integer/sample_norm.hpp>
+#include <tactnet/kernels/integer/norms.hpp>
 #include <tactnet/lowering/eight_bit_format.hpp>
 #include <tactnet/lowering/quantise.hpp>
 #include <tactnet/operators/sample_norms/step.hpp>
@@ -16,7 +16,7 @@
 namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// A group, instance or layer norm in 8 bits: the moments of bytes are exact integers, and each output is
-/// rounded from 1/256 of a step (kernels/integer/sample_norm.hpp).
+/// rounded from 1/256 of a step (kernels/integer/norms.hpp).
 template <shape Map, std::size_t Stride, unsigned Kind, std::size_t Groups, bool Rectified>
 struct sample_norm_step<eight_bit, Map, Stride, Kind, Groups, Rectified> : step_base<eight_bit, Map, Stride> {
 private:

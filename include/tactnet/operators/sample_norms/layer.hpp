@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/norm_groups.hpp>
+#include <tactnet/kernels/norms.hpp>
 #include <tactnet/operators/layer.hpp>
 
 #include <cstddef>

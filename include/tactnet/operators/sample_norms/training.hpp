@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/batch/sample_norm.hpp>
+#include <tactnet/kernels/batch/normalisation.hpp>
 #include <tactnet/operators/sample_norms/layer.hpp>
 #include <tactnet/operators/trained_layer.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/frame/resampling.hpp>
-#include <tactnet/kernels/integer/resampling.hpp>
+#include <tactnet/kernels/integer/elementwise.hpp>
 #include <tactnet/lowering/eight_bit_format.hpp>
 #include <tactnet/lowering/quantise.hpp>
 #include <tactnet/operators/upsampling/step.hpp>

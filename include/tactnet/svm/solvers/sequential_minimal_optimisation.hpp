@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/rows/working_set.hpp>
-#include <tactnet/svm/kernel/cache.hpp>
+#include <tactnet/svm/kernel/gram_matrix.hpp>
 #include <tactnet/svm/multiclass.hpp>
 #include <tactnet/tensor/aligned.hpp>
 

@@ -3,6 +3,7 @@
 #include "photograph_networks.hpp"
 
 #include <tactnet/networks.hpp>
+#include <tactnet/networks/imagenet.hpp>
 
 using namespace support;
 using tactnet::element_type;

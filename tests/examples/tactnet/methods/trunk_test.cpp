@@ -3,6 +3,7 @@
 #include "photograph_networks.hpp"
 
 #include <tactnet/networks.hpp>
+#include <tactnet/networks/imagenet.hpp>
 
 #include <files/claims.hpp>
 #include <iterator>

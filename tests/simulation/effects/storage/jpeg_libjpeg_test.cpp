@@ -1,4 +1,4 @@
-#include <tactnet/image/noise.hpp>
+#include <tactnet/image/augmentation.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/simulation/effects/storage/jpeg.hpp>
 #include <tactnet/tensor/tensor.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/map/symmetric_stencil.hpp>
+#include <tactnet/kernels/map/symmetric_convolution.hpp>
 #include <tactnet/simulation/effect.hpp>
 #include <tactnet/simulation/elasticity/layer_compliance.hpp>
 #include <tactnet/simulation/elasticity/radial_kernel.hpp>

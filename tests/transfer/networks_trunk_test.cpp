@@ -4,7 +4,7 @@
 #include <tactnet/networks/network.hpp>
 #include <tactnet/operators.hpp>
 #include <tactnet/transfer/as_photograph.hpp>
-#include <tactnet/transfer/pretrained_trunk.hpp>
+#include <tactnet/transfer/networks.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 #include <tactnet/networks/batch_passes.hpp>
+#include <tactnet/networks/published.hpp>
 #include <tactnet/networks/recognition.hpp>
-#include <tactnet/networks/symmetric_window.hpp>
 #include <tactnet/networks/tactnet4.hpp>
 #include <tactnet/networks/tactnet6.hpp>
 #include <tactnet/runtime/thread_pool.hpp>

@@ -1,6 +1,6 @@
 #include "samples.hpp"
 
-#include <tactnet/svm/standardisation.hpp>
+#include <tactnet/svm/feature_rows.hpp>
 
 #include <doctest/doctest.h>
 

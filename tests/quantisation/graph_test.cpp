@@ -2,7 +2,7 @@
 #include <tactnet/deployment/eight_bit.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/operators.hpp>
-#include <tactnet/quantisation/graph_of.hpp>
+#include <tactnet/quantisation/graph.hpp>
 
 #include <doctest/doctest.h>
 
