@@ -1,8 +1,10 @@
 #pragma once
 
-// A device of your own: this one sends 'T', 'N', a number that counts up to 255 and starts again, the cells,
-// and a byte that makes the exclusive or of all bytes after 'N' zero. Copy it, and change what your device
-// does otherwise.
+// A device of your own whose packets are numbered: 'T', 'N', a number that counts up to 255 and starts again,
+// the cells, and a byte that makes the exclusive or of all bytes after 'N' zero. Without the numbers, a
+// description would do: tactnet::matrix_stream. Copy it, and change what your device does otherwise.
+//
+// The form that matters: a packet that is wrong loses its first byte only. The next packet may begin in it.
 
 #include <tactnet/sensors/decoder.hpp>
 
@@ -12,6 +14,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 class own_device : public tactnet::decoder_base {
 public:
@@ -22,66 +26,72 @@ public:
     template <class Sink>
     tactnet::decode_status push(std::span<const std::byte> bytes, Sink&& sink) {
         set_status(tactnet::decode_status::reading);
-        for (const std::byte byte : bytes) {
-            ++byte_;
-            packet_[size_++] = byte;
-            // Out of step, a byte that cannot be where it is begins anew: one may join a stream anywhere. But
-            // after a packet comes the next, or one is lost.
-            if (size_ <= start.size() && byte != start[size_ - 1]) {
-                if (in_step_)
-                    fail({byte_ - 1, 0, frames() + 1, "'TN' in front of a packet", "other bytes"});
-                in_step_ = false;
-                last_.reset();
-                size_ = byte == start[0] ? 1 : 0;
-                packet_[0] = byte;
+        bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+        std::size_t at = 0;
+        while (at < bytes_.size()) {
+            const auto rest = std::span<const std::byte>(bytes_).subspan(at);
+            const std::size_t known = std::min(rest.size(), start.size());
+            if (!std::equal(start.begin(), start.begin() + static_cast<std::ptrdiff_t>(known),
+                            rest.begin())) {
+                lose_step(at, "'TN' in front of a packet", "other bytes");
+                ++at;
+            } else if (rest.size() < packet_size) {
+                break;
+            } else if (const std::byte sum = sum_of(rest); sum != std::byte{0}) {
+                lose_step(at, "a sum of zero", std::to_string(static_cast<int>(sum)));
+                ++at;
+            } else {
+                read_packet(rest, at, sink);
+                at += packet_size;
             }
-            if (size_ == packet_.size())
-                read_packet(sink);
         }
+        bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(at));
+        byte_ += at;
         return status();
     }
 
     template <class Sink>
     tactnet::decode_status finish(Sink&&) {
         set_status(tactnet::decode_status::finished);
-        if (size_ > 0)
-            fail({byte_, 0, frames() + 1, "a whole packet", std::to_string(size_) + " bytes of one"});
+        if (!bytes_.empty())
+            fail({byte_, 0, frames() + 1, "a whole packet", std::to_string(bytes_.size()) + " bytes of one"});
         return status();
     }
 
 private:
     static constexpr std::array<std::byte, 2> start{std::byte{'T'}, std::byte{'N'}};
+    static constexpr std::size_t packet_size = start.size() + 1 + rows * columns + 1;
+
+    static std::byte sum_of(std::span<const std::byte> packet) {
+        std::byte sum{0};
+        for (const std::byte byte : packet.first(packet_size).subspan(start.size()))
+            sum ^= byte;
+        return sum;
+    }
+    /// Reports damage after a packet once. One may join a stream anywhere.
+    void lose_step(std::size_t at, std::string expected, std::string found) {
+        if (in_step_)
+            fail({byte_ + at, 0, frames() + 1, std::move(expected), std::move(found)});
+        in_step_ = false;
+        last_.reset();
+    }
 
     template <class Sink>
-    void read_packet(Sink& sink) {
-        std::byte sum{0};
-        for (std::size_t i = start.size(); i < size_; ++i)
-            sum ^= packet_[i];
-        size_ = 0;
+    void read_packet(std::span<const std::byte> packet, std::size_t at, Sink& sink) {
         in_step_ = true;
-        if (sum != std::byte{0}) {
-            last_.reset(); // of which packet it was nothing is known
-            fail({byte_ - packet_.size(),
-                  0,
-                  frames() + 1,
-                  "a sum of zero",
-                  std::to_string(static_cast<int>(sum)),
-                  {}});
-            return;
-        }
         // The cells of a packet after others that were lost, doubled or exchanged are good all the same.
-        const auto number = std::to_integer<unsigned>(packet_[start.size()]);
+        const auto number = std::to_integer<unsigned>(packet[start.size()]);
         if (const unsigned next = last_ ? (*last_ + 1) % 256 : number; number != next)
-            fail({byte_ - packet_.size(), 0, frames() + 1, "packet number " + std::to_string(next),
+            fail({byte_ + at, 0, frames() + 1, "packet number " + std::to_string(next),
                   std::to_string(number)});
         last_ = number;
         for (std::size_t i = 0; i < cells().size(); ++i)
-            cells()[i] = static_cast<float>(packet_[start.size() + 1 + i]);
+            cells()[i] = static_cast<float>(packet[start.size() + 1 + i]);
         emit(sink, frames() + 1, {});
     }
 
-    std::array<std::byte, start.size() + 1 + rows * columns + 1> packet_{};
-    std::size_t size_ = 0, byte_ = 0;
+    std::vector<std::byte> bytes_; ///< from byte number `byte_` on
+    std::size_t byte_ = 0;
     bool in_step_ = false;
     std::optional<unsigned> last_; ///< the number of the packet before
 };

@@ -3,10 +3,11 @@
 #include <tactnet/sensors/any_recording.hpp>
 #include <tactnet/sensors/calibration.hpp>
 #include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/described/cell_reader.hpp>
 #include <tactnet/sensors/described/description.hpp>
 #include <tactnet/sensors/described/description_file.hpp>
+#include <tactnet/sensors/described/matrix_stream.hpp>
 #include <tactnet/sensors/frame.hpp>
-#include <tactnet/sensors/matrix_stream.hpp>
 #include <tactnet/sensors/recording.hpp>
 #include <tactnet/sensors/tekscan/ascii.hpp>
 #include <tactnet/sensors/tekscan/binary.hpp>

@@ -32,15 +32,18 @@ struct outcome {
     std::uint64_t frames = 0, numbers = 0, hash = 14695981039346656037U;
     double seconds = 0;
     std::string error;
-    std::uint64_t certain = 0, warnings = 0;
+    std::uint64_t certain = 0, uncertain = 0, warnings = 0;
     std::vector<tactnet::decoding_warning> kept;
 
     friend bool operator==(const outcome&, const outcome&) = default;
 };
 
+/// Whether cells may be NaN: broken.
+enum class cells_of { recordings, described };
+
 /// Pushes pieces of `piece` bytes; with 0 all at once.
 template <tactnet::frame_decoder Decoder>
-outcome decode(Decoder decoder, std::span<const std::byte> bytes, std::size_t piece) {
+outcome decode(Decoder decoder, std::span<const std::byte> bytes, std::size_t piece, cells_of cells) {
     outcome result;
     const std::size_t total = bytes.size();
     const auto sink = [&](const tactnet::frame_view& frame) {
@@ -50,11 +53,13 @@ outcome decode(Decoder decoder, std::span<const std::byte> bytes, std::size_t pi
         require(description.mask.empty() || description.mask.size() == description.cells());
         require(!frame.seconds || !std::isnan(*frame.seconds));
         for (std::size_t i = 0; i < frame.cells.size(); ++i) {
-            require(std::isfinite(frame.cells[i]) && frame.cells[i] >= 0);
+            require((std::isfinite(frame.cells[i]) && frame.cells[i] >= 0) ||
+                    (cells == cells_of::described && std::isnan(frame.cells[i])));
             require(description.exists(i) || frame.cells[i] == 0);
             result.hash = (result.hash ^ std::bit_cast<std::uint32_t>(frame.cells[i])) * 1099511628211U;
         }
         ++result.frames;
+        result.uncertain += frame.certain ? 0 : 1;
         result.numbers += frame.number;
         result.seconds += frame.seconds.value_or(0);
     };
@@ -78,7 +83,7 @@ outcome decode(Decoder decoder, std::span<const std::byte> bytes, std::size_t pi
     result.warnings = decoder.warnings().count();
     result.kept.assign(decoder.warnings().kept().begin(), decoder.warnings().kept().end());
     require(result.certain <= result.frames && result.kept.size() <= result.warnings);
-    require(result.status == tactnet::decode_status::damaged || result.warnings > 0 ||
+    require(result.status == tactnet::decode_status::damaged || result.warnings > 0 || result.uncertain > 0 ||
             result.certain == result.frames);
     return result;
 }
@@ -86,9 +91,9 @@ outcome decode(Decoder decoder, std::span<const std::byte> bytes, std::size_t pi
 /// The same bytes, whole and in pieces, into copies of `decoder`. The size chooses the pieces, since time is
 /// better spent on more inputs.
 template <tactnet::frame_decoder Decoder>
-void check(const Decoder& decoder, std::span<const std::byte> bytes) {
+void check(const Decoder& decoder, std::span<const std::byte> bytes, cells_of cells = cells_of::recordings) {
     const std::size_t piece = bytes.size() % 3 == 0 ? 7 : 1;
-    require(decode(decoder, bytes, piece) == decode(decoder, bytes, 0));
+    require(decode(decoder, bytes, piece, cells) == decode(decoder, bytes, 0, cells));
 }
 
 inline std::span<const std::byte> bytes_of(const std::uint8_t* data, std::size_t size) {

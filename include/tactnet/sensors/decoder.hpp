@@ -108,9 +108,11 @@ protected:
 
     /// Gives the frame to the sink.
     template <class Sink>
-    void emit(Sink&& sink, std::uint64_t number, std::optional<double> seconds) {
+    void emit(Sink&& sink, std::uint64_t number, std::optional<double> seconds, bool certain = true) {
+        if (!certain && !certain_)
+            certain_ = frames_;
         ++frames_;
-        sink(frame_view{number, seconds, description_.rows, description_.columns, cells_});
+        sink(frame_view{number, seconds, description_.rows, description_.columns, cells_, certain});
     }
 
     /// Number of announced frames that have not come; nothing if no number was announced.
