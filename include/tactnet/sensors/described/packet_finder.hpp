@@ -198,7 +198,8 @@ private:
         if (others_ > 0)
             chance = std::max(chance, static_cast<double>(others_) / static_cast<double>(places_));
         std::size_t count = 1;
-        if (first() < unsettled_until_) // inserted bytes may have put cells that look so where a marker belongs
+        if (first() <
+            unsettled_until_) // inserted bytes may have put cells that look so where a marker belongs
             chance = std::max(chance, 1. / 256);
         for (double all = chance; all > 2e-5 && count < largest_window; all *= chance)
             ++count;
@@ -222,7 +223,7 @@ private:
     std::uint64_t dropped_ = 0, doubtful_until_ = 0; ///< the place that was dropped last, and its end
     std::uint64_t unsettled_until_ = 0;              ///< cells have looked like a marker in packets before
     std::vector<std::uint32_t> offsets_;
-    bool alone_ = false;                    ///< the packet before was certain, with no other hit in it
+    bool alone_ = false;                      ///< the packet before was certain, with no other hit in it
     std::uint64_t others_ = 0, places_ = 512; ///< hits that were none of packets, among the latest places
 };
 
