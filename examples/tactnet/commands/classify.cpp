@@ -22,7 +22,7 @@ int classify(const classify_options& o) {
     // A line an image, whatever its path; names of classes are printable, or their file is not loaded.
     const auto field = [](const std::string& name) { return csv_field(printable(name)); };
     tactnet::thread_pool threads;
-    const std::vector<scored_class> recognised = weights.trained->recognise(pixels, weights.scaling, threads);
+    const std::vector<scored_class> recognised = weights.trained->recognise(pixels, threads);
     for (std::size_t i = 0; i < o.images.size(); ++i) {
         const auto& [label, score] = recognised[i];
         print(fmt::format("{},{},{},{:.6f}\n", field(o.images[i]), label, field(weights.classes[label]),

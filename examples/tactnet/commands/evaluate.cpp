@@ -163,7 +163,7 @@ int evaluate_weights(const evaluate_options& o) {
     if (result.logits.empty())
         return success;
     study_row row = make_row(what.name, what.rows, what.columns, "", weights.trained->bits());
-    put_calibration(row, calibration_of(result, chosen, data, weights.scaling));
+    put_calibration(row, calibration_of(result, chosen, data, {weights.trained->temperature()}));
     plot_reliability(stem("reliability_"), o.weights.weights, *row.probabilities);
     const study_table t = probabilities_table({row});
     if (t.cells.size() > 1)

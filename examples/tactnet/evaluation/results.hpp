@@ -8,6 +8,7 @@
 #include "methods/method.hpp"
 
 #include <tactnet/decision/reliability_diagram.hpp>
+#include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/training/metrics.hpp>
 
 #include <limits>

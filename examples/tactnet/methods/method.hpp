@@ -4,7 +4,6 @@
 // by names and virtual functions; what only networks can do is in interfaces of their own. Headers that
 // include this one do not repeat its includes.
 
-#include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/deployment/export/header_description.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors/source.hpp>
@@ -119,9 +118,10 @@ public:
     evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
              tactnet::thread_pool& threads,
              tactnet::test_time_augmentation how = tactnet::test_time_augmentation::none) const = 0;
-    /// Of images that are stored one after the other. The scaling is of a network's probabilities.
+    /// The temperature of a network's probabilities, see tactnet::model.
+    virtual double temperature() const { return 1; }
+    /// Of images that are stored one after the other.
     virtual std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
-                                                const tactnet::temperature_scaling& scaling,
                                                 tactnet::thread_pool& threads) const = 0;
     virtual void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
                       std::span<const std::uint8_t> selftest) const = 0;

@@ -93,12 +93,7 @@ loaded_weights load_weights(const weight_options& o) {
     const method& what = find_method(name, fmt::format("{}x{}", *rows, *columns));
     if (!what.is_network() && o.epsilon)
         refuse("--epsilon: expected a network, found {}, which has no batch norms", name);
-    loaded_weights result{&what,
-                          nullptr,
-                          {},
-                          !says.classes.empty() || !o.classes.empty(),
-                          {says.temperature.value_or(1)},
-                          file.metadata()};
+    loaded_weights result{&what, nullptr, {}, !says.classes.empty() || !o.classes.empty(), file.metadata()};
     result.trained = result.what->load(whole, o.epsilon);
     result.classes = result.trained->classes();
     if (!o.classes.empty()) {

@@ -20,8 +20,7 @@ struct loaded_weights {
     const method* what;
     std::unique_ptr<trained_method> trained;
     std::vector<std::string> classes;
-    bool named;                           ///< whether anyone said what the classes are called
-    tactnet::temperature_scaling scaling; ///< the file's, else none
+    bool named; ///< whether anyone said what the classes are called
     tactnet::file_metadata metadata;
 };
 

@@ -15,13 +15,26 @@
 template <class Network, class Format>
 class deployed_network final : public any_deployed {
 public:
-    explicit deployed_network(tactnet::deployed<Network, Format> own) : own_(std::move(own)) {}
+    deployed_network(tactnet::deployed<Network, Format> own, const std::vector<std::string>& classes,
+                     double temperature)
+        : own_(std::move(own)) {
+        if (!classes.empty())
+            own_.set_classes(classes);
+        own_.set_temperature(temperature);
+    }
 
     bool infer(tactnet::thread_pool& threads, std::span<const std::uint8_t> frames,
                std::span<float> outputs) const override {
         return own_.infer(frames, outputs, threads) == tactnet::frame_status::ok;
     }
     bool gives_probabilities() const override { return Network::ends_in_softmax; }
+    std::vector<scored_class> classify(tactnet::thread_pool& threads,
+                                       std::span<const std::uint8_t> frames) const override {
+        std::vector<scored_class> result;
+        for (const auto& found : own_.classify(frames, threads))
+            found ? result.push_back({found->index, found->probability}) : refuse_logits();
+        return result;
+    }
     std::string header(const tactnet::header_description& says,
                        std::span<const std::uint8_t> frame) const override {
         return tactnet::deployed_header(own_, says, frame.first<Network::input_shape.size()>());
@@ -53,8 +66,10 @@ compiled_network compile_network() {
         .describe = [] { return Network::describe(); },
         .deploy = [](const any_model& model) -> std::unique_ptr<any_deployed> {
             const auto& own = static_cast<const tactnet::trainable_network<Network>&>(*model.network);
-            return std::make_unique<deployed_network<Network, tactnet::single_precision>>(tactnet::deploy(
-                own.network(), std::span(model.mean).template first<input.size()>(), model.scale));
+            return std::make_unique<deployed_network<Network, tactnet::single_precision>>(
+                tactnet::deploy(own.network(), std::span(model.mean).template first<input.size()>(),
+                                model.scale),
+                model.classes, model.temperature);
         },
         .variation_of = nullptr};
     code.variation_of = [](const tactnet::shape& taken) -> tactnet::images_as_taken::variation {

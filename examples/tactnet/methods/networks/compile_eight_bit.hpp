@@ -29,8 +29,10 @@ public:
                 calibration.output_error(),
                 calibration.output_error_of_rounded()};
     }
-    std::unique_ptr<any_deployed> deploy(std::span<const float> folded) const override {
+    std::unique_ptr<any_deployed> deploy(std::span<const float> folded,
+                                         const std::vector<std::string>& classes,
+                                         double temperature) const override {
         return std::make_unique<deployed_network<Network, tactnet::eight_bit>>(
-            bytes(folded.template first<numbers>()));
+            bytes(folded.template first<numbers>()), classes, temperature);
     }
 };

@@ -18,6 +18,7 @@ struct any_model {
     std::vector<float> mean;
     float scale = 1;
     std::vector<std::string> classes;
+    double temperature = 1; ///< see tactnet::model
 };
 
 /// A network in its fastest form, see tactnet::deploy.
@@ -29,6 +30,10 @@ public:
                        std::span<float> outputs) const = 0;
     /// Whether outputs are probabilities, of a network that ends in a softmax; else they are logits.
     virtual bool gives_probabilities() const = 0;
+    /// The class of each frame, and its probability at the network's temperature. Throws std::runtime_error
+    /// for outputs that are not finite.
+    virtual std::vector<scored_class> classify(tactnet::thread_pool& threads,
+                                               std::span<const std::uint8_t> frames) const = 0;
     /// See tactnet::deployed_header.
     virtual std::string header(const tactnet::header_description& says,
                                std::span<const std::uint8_t> frame) const = 0;
@@ -68,8 +73,10 @@ public:
     /// Ranges and weights from images. Throws std::invalid_argument for a model that has no form in 8 bits.
     virtual calibrated_numbers calibrate(const any_model& model,
                                          std::span<const std::uint8_t> images) const = 0;
-    /// Throws std::invalid_argument for numbers that cannot be.
-    virtual std::unique_ptr<any_deployed> deploy(std::span<const float> folded) const = 0;
+    /// Throws std::invalid_argument for numbers that cannot be. Without names, each output is a class.
+    virtual std::unique_ptr<any_deployed> deploy(std::span<const float> folded,
+                                                 const std::vector<std::string>& classes,
+                                                 double temperature) const = 0;
 };
 
 /// `type`: without what is between the brackets: "tactnet::tactnet6". `published`: the authors' training, if
@@ -100,10 +107,8 @@ std::vector<float> outputs_of(const any_deployed& network, const compiled_networ
 /// Logits: of a network that ends in a softmax the logarithms of its outputs, finite for zero.
 std::vector<float> logits_of(const any_deployed& network, const compiled_network& code,
                              std::span<const std::uint8_t> frames, tactnet::thread_pool& threads);
-/// Recognises rows of `outputs` logits, of which the first `classes` stand for classes. Throws
-/// std::runtime_error for logits that are not finite.
-std::vector<scored_class> classes_of_rows(std::span<const float> rows, std::size_t outputs,
-                                          std::size_t classes, const tactnet::temperature_scaling& scaling);
+/// For outputs that are not finite.
+[[noreturn]] void refuse_logits();
 
 /// A training by epochs. `finish` makes a trained method of its best network, and lives as long.
 class epoch_training final : public training_run {

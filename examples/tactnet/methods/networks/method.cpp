@@ -28,14 +28,15 @@ struct begun_weights final : pretrained_weights {
 class eight_bit_network final : public trained_network {
 public:
     eight_bit_network(const compiled_network& code, const compiled_eight_bit& bytes,
-                      std::vector<float> folded, std::vector<std::string> classes,
+                      std::vector<float> folded, std::vector<std::string> classes, double temperature,
                       std::string calibration = {})
         : code_(code),
           layout_(bytes.layout()),
           folded_(std::move(folded)),
           classes_(std::move(classes)),
+          temperature_(temperature),
           calibration_(std::move(calibration)),
-          deployed_(bytes.deploy(folded_)) {}
+          deployed_(bytes.deploy(folded_, classes_, temperature)) {}
 
     std::size_t bits() const override { return 8; }
     const std::vector<std::string>& classes() const override { return classes_; }
@@ -59,18 +60,18 @@ public:
                     out.set(i, std::span(found).subspan(i * code_.outputs, code_.outputs));
             });
     }
+    double temperature() const override { return temperature_; }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
-                                        const tactnet::temperature_scaling& scaling,
                                         tactnet::thread_pool& threads) const override {
-        return classes_of_rows(logits_of(*deployed_, code_, images, threads), code_.outputs, classes_.size(),
-                               scaling);
+        return deployed_->classify(threads, images);
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {
         tactnet::safetensors_writer writer;
         writer.metadata = metadata;
-        tactnet::add_deployed(writer, layout_, folded_, classes_, selftest,
-                              [&](std::span<const std::uint8_t> images) { return logits(images); });
+        tactnet::add_deployed(
+            writer, layout_, folded_, classes_, selftest,
+            [&](std::span<const std::uint8_t> images) { return logits(images); }, temperature_);
         writer.write(path);
     }
     std::string header(const tactnet::header_description& says,
@@ -99,6 +100,7 @@ private:
     tactnet::folded_layout layout_;
     std::vector<float> folded_;
     std::vector<std::string> classes_;
+    double temperature_;
     std::string calibration_;
     std::unique_ptr<any_deployed> deployed_;
 };
@@ -118,11 +120,10 @@ public:
                                  tactnet::test_time_augmentation how) const override {
         return tactnet::evaluate(*model_.network, model_.mean, model_.scale, images, chosen, threads, how);
     }
+    double temperature() const override { return model_.temperature; }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
-                                        const tactnet::temperature_scaling& scaling,
                                         tactnet::thread_pool& threads) const override {
-        return classes_of_rows(logits_of(*code_.deploy(model_), code_, images, threads), code_.outputs,
-                               classes().size(), scaling);
+        return code_.deploy(model_)->classify(threads, images);
     }
     void save(const std::filesystem::path& path, const tactnet::file_metadata& metadata,
               std::span<const std::uint8_t> selftest) const override {
@@ -138,7 +139,8 @@ public:
         if (bytes_ == nullptr)
             return trained_network::in_eight_bits(images, chosen);
         // As a file has it: outputs that stand for no class must not count when ranges are chosen.
-        any_model of_classes{model_.network->copy(), model_.mean, model_.scale, model_.classes};
+        any_model of_classes{model_.network->copy(), model_.mean, model_.scale, model_.classes,
+                             model_.temperature};
         const tactnet::stored_arrays stored = code_.arrays();
         const std::string last(stored.output_layer());
         const auto arrays = arrays_of(*of_classes.network);
@@ -153,7 +155,7 @@ public:
         }
         calibrated_numbers found = bytes_->calibrate(of_classes, shown);
         return std::make_unique<eight_bit_network>(
-            code_, *bytes_, std::move(found.folded), classes(),
+            code_, *bytes_, std::move(found.folded), classes(), temperature(),
             fmt::format("outputs differ by {:.2g} from those in single precision, by {:.2g} if weights were "
                         "merely rounded (roots of mean squares, on images of the training)",
                         found.output_error, found.output_error_of_rounded));
@@ -228,7 +230,7 @@ public:
         any_model model{code_.make(), std::vector<float>(code_.pixels()), 1, {}};
         draw_arrays(*model.network);
         std::shared_ptr<any_deployed> deployed =
-            bits == 8 ? bytes_->deploy(bytes_->calibrate(model, made_up_touches(4, image())).folded)
+            bits == 8 ? bytes_->deploy(bytes_->calibrate(model, made_up_touches(4, image())).folded, {}, 1)
                       : code_.deploy(model);
         return
             [deployed = std::move(deployed), size = image(), outputs = code_.outputs,
@@ -276,7 +278,7 @@ public:
                 "folded");
         tactnet::stored_deployed stored = tactnet::read_deployed(file.arrays, bytes_->layout());
         auto network = std::make_unique<eight_bit_network>(code_, *bytes_, std::move(stored.folded),
-                                                           std::move(stored.classes));
+                                                           std::move(stored.classes), stored.temperature);
         network->check_selftest(file.arrays);
         return network;
     }

@@ -8,13 +8,9 @@
 #include <limits>
 #include <utility>
 
-namespace {
-
-[[noreturn]] void refuse_logits() {
+void refuse_logits() {
     throw std::runtime_error("expected finite logits, found some that are not: the weights are broken");
 }
-
-} // namespace
 
 std::vector<std::span<float>> arrays_of(tactnet::trainable& network) {
     std::vector<std::span<float>> arrays;
@@ -30,7 +26,8 @@ tactnet::model_parts parts_of(const any_model& model, tactnet::shape image, tact
                                .epsilon = model.network->epsilon(),
                                .mean = model.mean,
                                .scale = model.scale,
-                               .classes = model.classes};
+                               .classes = model.classes,
+                               .temperature = model.temperature};
     for (const std::span<float> values : arrays_of(*model.network))
         parts.values.push_back(values);
     return parts;
@@ -39,7 +36,8 @@ tactnet::model_parts parts_of(const any_model& model, tactnet::shape image, tact
 any_model load_model(const compiled_network& code, const tactnet::safetensors& file, tactnet::shape image,
                      std::optional<double> epsilon) {
     tactnet::stored_model stored = tactnet::read_model(file, image, code.arrays(), epsilon);
-    any_model model{code.make(), std::move(stored.mean), stored.scale, std::move(stored.classes)};
+    any_model model{code.make(), std::move(stored.mean), stored.scale, std::move(stored.classes),
+                    stored.temperature};
     model.network->epsilon() = stored.epsilon;
     model.mean.resize(code.pixels());
     const auto arrays = arrays_of(*model.network);
@@ -94,18 +92,6 @@ std::vector<float> logits_of(const any_deployed& network, const compiled_network
         for (float& value : rows)
             value = std::log(std::max(value, std::numeric_limits<float>::min()));
     return rows;
-}
-
-std::vector<scored_class> classes_of_rows(std::span<const float> rows, std::size_t outputs,
-                                          std::size_t classes, const tactnet::temperature_scaling& scaling) {
-    std::vector<scored_class> result;
-    for (std::size_t first = 0; first < rows.size(); first += outputs) {
-        const auto found = scaling.classify(rows.subspan(first, outputs), classes);
-        if (!found)
-            refuse_logits();
-        result.push_back({found->index, found->probability});
-    }
-    return result;
 }
 
 std::vector<std::uint8_t> made_up_touches(std::size_t count, tactnet::extent2d image) {

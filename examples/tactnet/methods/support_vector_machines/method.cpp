@@ -90,7 +90,6 @@ public:
         return result;
     }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
-                                        const tactnet::temperature_scaling&,
                                         tactnet::thread_pool& threads) const override {
         return recognise_chosen(images, all_of(images), threads);
     }
@@ -272,7 +271,7 @@ public:
         return [trained = std::shared_ptr(run.best({})), pixels = std::move(pixels),
                 each = finder_.image.area()](std::size_t frames) {
             tactnet::thread_pool threads;
-            static_cast<void>(trained->recognise(std::span(pixels).first(frames * each), {}, threads));
+            static_cast<void>(trained->recognise(std::span(pixels).first(frames * each), threads));
         };
     }
     std::unique_ptr<training_run> train(const tactnet::recipe&, const tactnet::labelled_images& images,

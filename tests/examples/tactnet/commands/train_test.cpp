@@ -63,6 +63,10 @@ TEST_SUITE("program") {
         };
         const double softmax = probability(lines_of(plain.out)[0]), scaled = probability(lines[0]);
         CHECK((scaled > softmax) == (temperature < 1));
+        shop.succeeds("export --weights out/net.safetensors --output net.hpp");
+        const std::string header = text_of(shop / "net.hpp"), before = ", classes.size(), ";
+        REQUIRE(header.find(before) != std::string::npos);
+        CHECK(std::stod(header.substr(header.find(before) + before.size())) == temperature);
 
         // Another size only when asked.
         write_png(shop / "large.png", 14, 26, std::vector<std::uint8_t>(14 * 26, 50));
