@@ -220,7 +220,8 @@ TEST_CASE("deployed_stream: a copy of the state is a point to return to, a new o
     CHECK(same_bits(found, expected));
 }
 
-TEST_CASE("restore_state: what was saved continues bit-identically; damaged bytes change nothing") {
+TEST_CASE(
+    "stream_view::restore_state: what was saved continues bit-identically; damaged bytes change nothing") {
     const deployed_stream<tagger> stream(drawn_network<tagger>());
     using state = deployed_stream<tagger>::state;
     const std::vector<float> recording = recordings(1, 40, 3)[0];
@@ -229,10 +230,11 @@ TEST_CASE("restore_state: what was saved continues bit-identically; damaged byte
     state memory, again;
     REQUIRE(stream.run(all.first(23 * 3), memory, outputs) == 23);
     std::array<std::byte, saved_state_bytes<state>> saved, kept;
-    static_assert(noexcept(save_state(memory, std::span(saved)))&& noexcept(restore_state(saved, memory)));
+    static_assert(
+        noexcept(save_state(memory, std::span(saved)))&& noexcept(stream.restore_state(saved, memory)));
     save_state(memory, std::span(saved));
     REQUIRE(stream.run(all.subspan(23 * 3), memory, outputs) == 17);
-    REQUIRE(restore_state(saved, again) == restore_status::ok);
+    REQUIRE(stream.restore_state(saved, again) == restore_status::ok);
     REQUIRE(stream.run(all.subspan(23 * 3), again, rest) == 17);
     CHECK(std::equal(rest.begin(), rest.end(), outputs.begin()));
 
@@ -245,19 +247,61 @@ TEST_CASE("restore_state: what was saved continues bit-identically; damaged byte
     for (std::size_t byte = 0; byte < saved.size(); ++byte) {
         auto damaged = saved;
         damaged[byte] ^= std::byte{16};
-        CHECK(restore_state(damaged, again) ==
+        CHECK(stream.restore_state(damaged, again) ==
               (byte < 16 ? restore_status::other_state : restore_status::damaged));
     }
-    CHECK(restore_state(std::span(saved).first(saved.size() - 1), again) == restore_status::other_size);
+    CHECK(stream.restore_state(std::span(saved).first(saved.size() - 1), again) ==
+          restore_status::other_size);
     // Numbers that no state has, with a right checksum: wherever they are, NaN.
     for (std::size_t place = 16; place + 12 <= saved.size(); place += 4) {
         auto wrong = saved;
         std::fill_n(wrong.begin() + static_cast<std::ptrdiff_t>(place), 4, std::byte{0xFF});
         const std::uint64_t sum = xxh64().update(std::span(wrong).first(wrong.size() - 8)).digest();
         std::memcpy(wrong.data() + wrong.size() - 8, &sum, sizeof(sum));
-        CHECK(restore_state(wrong, again) == restore_status::damaged);
+        CHECK(stream.restore_state(wrong, again) == restore_status::damaged);
     }
     CHECK(unchanged());
+}
+
+TEST_CASE(
+    "stream_view::restore_state: states that inputs can give are restored, those with infinite outputs not") {
+    // Rings in lists and in both branches; the first layer enlarges what the others hold.
+    using net = network<shape{8, 1, 1}, causal_conv1d<2, 2>, residual<sequence<causal_conv1d<2, 2>>>, lstm<2>,
+                        causal_conv1d<1, 3>>;
+    net large;
+    for (float& value : large.learnable_values())
+        value = 300;
+    const auto stream = deploy_stream(large);
+    using state = decltype(stream)::state;
+    constexpr std::size_t bytes = saved_state_bytes<state>;
+    const float most = stream.folded()[0];
+    CHECK(stream.folded().size() == 5 + net::parameters);
+    state memory, again;
+    std::array<float, 1> outputs;
+    for (std::size_t frame = 0; frame < 4; ++frame)
+        REQUIRE(stream.step(std::array{frame % 3 == 0 ? -most : most}, memory, outputs) == frame_status::ok);
+    std::array<std::byte, bytes> saved;
+    save_state(memory, std::span(saved));
+    CHECK(stream.restore_state(saved, again) == restore_status::ok);
+
+    std::size_t refused = 0;
+    for (std::size_t place = 16; place + 12 <= bytes; place += 4)
+        for (const float number : {-3e38F, most, 4 * most, 1e10F}) {
+            auto forged = saved;
+            std::memcpy(forged.data() + place, &number, sizeof(number));
+            const std::uint64_t sum = xxh64().update(std::span(forged).first(bytes - 8)).digest();
+            std::memcpy(forged.data() + bytes - 8, &sum, sizeof(sum));
+            state other;
+            if (stream.restore_state(forged, other) != restore_status::ok) {
+                ++refused;
+                continue;
+            }
+            for (std::size_t frame = 0; frame < 4; ++frame) {
+                REQUIRE(stream.step(std::array{most}, other, outputs) == frame_status::ok);
+                REQUIRE(std::isfinite(outputs[0]));
+            }
+        }
+    CHECK(refused > 20);
 }
 
 TEST_CASE("deployed_stream: a state of damaged bytes gives wrong numbers, and touches no other memory") {

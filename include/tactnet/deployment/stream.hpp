@@ -80,7 +80,7 @@ public:
     static constexpr std::size_t folded_elements = view_type::folded_elements; ///< of `folded`
 
     /// What the network remembers from frame to frame, as a plain struct. `state{}` is the beginning of a
-    /// recording; a copy is a point to return to, and save_state writes it (stream_state.hpp).
+    /// recording; a copy is a point to return to, and save_state writes it.
     using state = typename view_type::state;
     static constexpr std::size_t state_bytes = view_type::state_bytes;
     static_assert(std::is_same_v<typename Network::value_type, float>,
@@ -124,6 +124,11 @@ public:
                                   std::span<float> to) const noexcept {
         return view().run(recording, memory, to);
     }
+    /// As stream_view::restore_state.
+    [[nodiscard]] restore_status restore_state(std::span<const std::byte> from,
+                                               state& memory) const noexcept {
+        return view().restore_state(from, memory);
+    }
 
 private:
     explicit deployed_stream(std::vector<float> folded)
@@ -134,17 +139,16 @@ private:
         detail::folded_check<Format>::template require<view_type>("deploy_stream", folded);
         return std::vector<float>(folded.begin(), folded.end());
     }
-    /// The largest feature, then the parameters.
+    /// The largest feature and inputs of states, then the parameters.
     [[nodiscard]] static std::vector<float> fold(const Network& network) {
         using steps = typename lowered::step;
         const std::span<const float> values = network.learnable_values().first(Network::parameters);
         std::vector<float> folded(folded_elements);
-        lowered::fold({values.data(), nullptr, 0}, folded.data() + 1);
+        float* const parameters = folded.data() + view_type::steps_folded;
+        lowered::fold({values.data(), nullptr, 0}, parameters);
         // Sums of so many terms may exceed the bound by their rounding, which half the range leaves room for.
         constexpr double most = std::numeric_limits<float>::max() / 2;
-        const auto fits = [&](double of_input) {
-            return steps::output_bound(folded.data() + 1, of_input) <= most;
-        };
+        const auto fits = [&](double of_input) { return steps::output_bound(parameters, of_input) <= most; };
         double limit = most;
         while (limit >= std::numeric_limits<float>::min() && !fits(limit))
             limit /= 2;
@@ -153,7 +157,11 @@ private:
         if (!finite || !fits(limit))
             throw std::invalid_argument("deploy_stream: expected parameters that give finite numbers, found "
                                         "some that are not finite or too large");
-        folded[0] = static_cast<float>(limit);
+        float* next = folded.data();
+        *next++ = static_cast<float>(limit);
+        detail::visit_inputs<steps>(parameters, limit, [&](double bound) {
+            *next++ = static_cast<float>(1.25 * bound); // which roundings may exceed a little
+        });
         return folded;
     }
 

@@ -61,8 +61,8 @@ struct single_precision {
 /// Reads a frame into the map of the first step. Specialised for each number format.
 template <class Format, shape Input>
 struct input_stage;
-/// Reads a frame of a stream.
-template <class Format, std::size_t Features>
+/// Reads a frame of a stream whose steps have so many states.
+template <class Format, std::size_t Features, std::size_t States>
 struct stream_input_stage;
 /// Writes the map of the last step as outputs. Specialised for each number format.
 template <class Format, shape Output, std::size_t Stride>
@@ -145,6 +145,15 @@ template <class... Steps>
 struct joined_state<Steps...> {
     struct state : states_of_steps<std::index_sequence_for<Steps...>, Steps...> {};
 };
+/// Calls visit(largest magnitude of its input) for each state of a step or of those inside, in the order of
+/// visit_states, if inputs have at most `input`.
+template <class Step>
+void visit_inputs(const float* folded, double input, const auto& visit) {
+    if constexpr (requires { Step::visit_inputs(folded, input, visit); })
+        Step::visit_inputs(folded, input, visit);
+    else if constexpr (has_state<Step>)
+        visit(input);
+}
 /// Runs step I of those. `states` is their joined state, or nothing if they have none.
 template <std::size_t I, class Step>
 [[gnu::always_inline]] inline void run_step(const auto* packed, const auto* in, auto* out, auto* memory,

@@ -68,8 +68,8 @@ struct input_stage<eight_bit, Input> {
 
 /// Rounds the features of a stream to words of 16 bits, each with a step of its own: its folded numbers.
 /// Finite features beyond the words saturate.
-template <std::size_t Features>
-struct stream_input_stage<eight_bit, Features> {
+template <std::size_t Features, std::size_t States>
+struct stream_input_stage<eight_bit, Features, States> {
     /// The value of one step of a feature's words, of which the first layer reads whole numbers.
     static constexpr folded_arrays arrays{{"step", folded_kind::scales, {Features}}};
     static constexpr std::size_t folded_elements = Features,
@@ -80,6 +80,10 @@ struct stream_input_stage<eight_bit, Features> {
     static constexpr void pack(const float* folded, std::int8_t* packed) {
         for (std::size_t f = 0; f < Features; ++f)
             detail::store_number(packed + 4 * f, 1 / folded[f]);
+    }
+    /// Any numbers of a state give finite outputs.
+    static double largest_in_state(const std::int8_t*, std::size_t) noexcept {
+        return std::numeric_limits<double>::infinity();
     }
     /// Whether all features are finite.
     static bool read(const std::int8_t* packed, std::span<const float, Features> frame,

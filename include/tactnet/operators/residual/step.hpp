@@ -73,6 +73,10 @@ struct residual_step : step_defaults, detail::joined_state<Main, Skip> {
         else
             return sum;
     }
+    static void visit_inputs(const float* from, double input, const auto& visit) {
+        detail::visit_inputs<Main>(from, input, visit);
+        detail::visit_inputs<Skip>(from + Main::folded_elements, input, visit);
+    }
     static void run(const packed_number* packed_values, const activation* in, activation* out,
                     activation* memory, auto&... states) noexcept {
         leave_skip(packed_values, in, out, memory, states...);

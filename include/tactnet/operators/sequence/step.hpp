@@ -83,6 +83,11 @@ struct step_chain : step_defaults, detail::joined_state<Steps...> {
          ...);
         return most;
     }
+    static void visit_inputs(const float* from, double input, const auto& visit) {
+        ((detail::visit_inputs<Steps>(from, input, visit), input = Steps::output_bound(from, input),
+          from += Steps::folded_elements),
+         ...);
+    }
     [[gnu::always_inline]] static void run(const packed_number* packed_values, const activation* in,
                                            activation* out, activation* memory, auto&... states) noexcept {
         activation* const inner = memory + buffers * buffer;
