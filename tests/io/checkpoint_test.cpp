@@ -172,6 +172,14 @@ TEST_CASE("checkpoint: damaged files change nothing") {
     rewrite("best.statistics", {values.size()}, values);
     CHECK(error_of(path, second) ==
           "tensor 'best.statistics', element 2: expected a finite number, found nan");
+    for (const char* name : {"statistics", "averaged.statistics", "best.statistics", "optimiser.second"}) {
+        values = good.values<double>(name);
+        values[5] = -0x1p-20; // the last of three variances
+        rewrite(name, {values.size()}, values);
+        CHECK(error_of(path, second) ==
+              "tensor '" + std::string(name) +
+                  "', element 5: expected a square or a variance (at least 0), found -9.536743e-07");
+    }
     // Which numbers a training can have is the trainer's to say; what it says must name the file.
     const auto progress_error = [&](auto change) {
         auto progress = good.values<double>("progress");

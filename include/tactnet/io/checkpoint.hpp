@@ -8,6 +8,7 @@
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/stored_arrays.hpp>
+#include <tactnet/text/numbers.hpp>
 #include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
@@ -31,19 +32,27 @@ struct state_array {
     std::string name;
     std::span<float> floats = {};
     std::span<double> doubles = {}; ///< or empty
+    std::vector<bool> squares = {}; ///< of floats, those that are never below zero; further ones may be
 };
 
 namespace detail {
 
+template <class Trainer>
+[[nodiscard]] std::vector<bool> squares_of(Trainer& trainer, std::string_view name) {
+    if constexpr (requires { trainer.squares(name); })
+        return trainer.squares(name);
+    else
+        return {};
+}
 /// Views of the arrays of a trainer, which must outlive them.
 template <class Trainer>
 [[nodiscard]] std::vector<state_array> state_arrays(Trainer& trainer) {
     std::vector<state_array> arrays;
     trainer.for_each_state([&](std::string_view name, auto values) {
         if constexpr (std::is_convertible_v<decltype(values), std::span<float>>)
-            arrays.push_back({std::string(name), values, {}});
+            arrays.push_back({std::string(name), values, {}, squares_of(trainer, name)});
         else
-            arrays.push_back({std::string(name), {}, values});
+            arrays.push_back({std::string(name), {}, values, {}});
     });
     return arrays;
 }
@@ -119,10 +128,16 @@ load_checkpoint(const std::filesystem::path& path, std::span<const state_array> 
     std::vector<std::vector<float>> floats;
     std::vector<std::vector<double>> doubles;
     for (const state_array& array : arrays)
-        if (array.doubles.empty())
+        if (array.doubles.empty()) {
             floats.push_back(detail::read_state<float>(file, array.name, array.floats.size()));
-        else
+            for (std::size_t i = 0; i < array.squares.size(); ++i)
+                if (const float found = floats.back()[i]; array.squares[i] && found < 0)
+                    detail::throw_element_error(file.file(), array.name, i,
+                                                "a square or a variance (at least 0)",
+                                                shortest_number(found));
+        } else {
             doubles.push_back(detail::read_state<double>(file, array.name, array.doubles.size()));
+        }
     const std::vector<double> progress = file.values<double>("progress");
     try {
         restore(progress);

@@ -153,6 +153,18 @@ public:
         visit("best.values", best_->learnable_values());
         visit("best.statistics", best_->running_statistics());
     }
+    /// Which elements of such an array are squares or variances, never below zero; further ones are none.
+    [[nodiscard]] std::vector<bool> squares(std::string_view array) {
+        std::vector<bool> found(array == "optimiser.second" ? step_.optimiser().second.size() : 0, true);
+        if (array.ends_with("statistics"))
+            for (const parameter& p : network_->describe())
+                if (!learnable(p.role)) {
+                    found.resize(std::max(found.size(), p.offset + p.size));
+                    std::fill_n(found.begin() + static_cast<std::ptrdiff_t>(p.offset), p.size,
+                                p.role == parameter_role::running_variance);
+                }
+        return found;
+    }
     /// The numbers besides the arrays.
     [[nodiscard]] std::vector<double> progress() const {
         training_progress p = progress_;
