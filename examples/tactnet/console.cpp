@@ -20,6 +20,21 @@ void prepare_standard_streams() noexcept {
     ignore_output_signals();
 }
 
+std::string shortened(std::string text) {
+    constexpr std::size_t most = 1000;
+    if (text.size() <= most)
+        return text;
+    const auto is_inside_character = [&](std::size_t at) {
+        return (static_cast<unsigned char>(text[at]) & 0xC0U) == 0x80U;
+    };
+    std::size_t first = most / 2 - 5, last = text.size() - first;
+    while (is_inside_character(first))
+        --first;
+    while (is_inside_character(last))
+        ++last;
+    return text.replace(first, last - first, " … ");
+}
+
 void show(std::string_view text) noexcept {
     if (!text.empty())
         static_cast<void>(std::fwrite(text.data(), 1, text.size(), stderr));

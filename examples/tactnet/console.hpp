@@ -37,11 +37,14 @@ void prepare_standard_streams() noexcept;
 /// To the standard error, at once, if it can be.
 void show(std::string_view text) noexcept;
 
-/// The same for a sentence with values in it.
+/// A long text, of what a hostile file holds, without its middle: at most 1000 bytes.
+std::string shortened(std::string text);
+
+/// Shows a sentence with values in it, shortened.
 template <class... Values>
 void tell(fmt::format_string<Values...> sentence, Values&&... values) noexcept {
     try {
-        show(fmt::format(sentence, std::forward<Values>(values)...));
+        show(shortened(fmt::format(sentence, std::forward<Values>(values)...)));
     } catch (...) { // no memory for it
     }
 }

@@ -93,6 +93,13 @@ TEST_CASE("model_description: of 8 bits it needs no epsilon and no scale") {
     CHECK_FALSE(describe_model(file_of({{"bits", "4"}})).bits); // another program's word
 }
 
+TEST_CASE("model_description: a name is short, of other programs too") {
+    CHECK(describe_model(file_of({{"network", std::string(200, 'n')}})).network.size() == 200);
+    CHECK_THROWS_WITH_AS(static_cast<void>(describe_model(file_of({{"network", std::string(201, 'n')}}))),
+                         doctest::Contains("metadata 'network': expected a name of at most 200 bytes"),
+                         file_error);
+}
+
 TEST_CASE("model_description: a file without metadata") {
     const model_description d = describe_model(file_of({}));
     CHECK(d.network.empty());

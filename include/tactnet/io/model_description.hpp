@@ -89,6 +89,7 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
     const bool ours = text("format") == "tactnet";
     require(!ours || text("version") == "1", "version", "format version 1");
     d.network = text("network");
+    require(d.network.size() <= 200, "network", "a name of at most 200 bytes");
     d.rows = detail::number_in<std::size_t>(file, "rows", "a number of rows", ours);
     d.columns = detail::number_in<std::size_t>(file, "columns", "a number of columns", ours);
     d.epsilon = detail::number_in<double>(file, "epsilon", "a positive number", ours);

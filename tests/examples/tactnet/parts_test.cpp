@@ -3,6 +3,8 @@
 
 #include "workshop.hpp"
 
+#include <tactnet/text/quoting.hpp>
+
 #include <console.hpp>
 #include <cstdlib>
 #include <interrupt.hpp>
@@ -33,6 +35,20 @@ outcome of_process(const std::function<int()>& work) {
 } // namespace
 
 TEST_SUITE("program") {
+    TEST_CASE("shortened: a sentence of at most 1000 bytes, whose characters stay whole") {
+        CHECK(shortened(std::string(1000, 'x')) == std::string(1000, 'x'));
+        for (std::size_t before = 0; before < 4; ++before) {
+            std::string text(before, 'x');
+            for (std::size_t i = 0; i < 1000; ++i)
+                text += "€";
+            const std::string found = shortened(text + "end\n");
+            CHECK(found.size() <= 1000);
+            CHECK(found.size() > 980);
+            CHECK(found.ends_with("€end\n"));
+            CHECK(tactnet::is_utf8(found));
+        }
+    }
+
     TEST_CASE("number_options: what counts as a number") {
         constexpr std::uint64_t most = std::numeric_limits<std::uint64_t>::max();
         CHECK(whole_number_of("0") == 0);
