@@ -266,8 +266,9 @@ TEST_CASE(
 TEST_CASE(
     "stream_view::restore_state: states that inputs can give are restored, those with infinite outputs not") {
     // Rings in lists and in both branches; the first layer enlarges what the others hold.
-    using net = network<shape{8, 1, 1}, causal_conv1d<2, 2>, residual<sequence<causal_conv1d<2, 2>>>, lstm<2>,
-                        causal_conv1d<1, 3>>;
+    using branch = sequence<causal_conv1d<2, 2>>;
+    using net =
+        network<shape{8, 1, 1}, causal_conv1d<2, 2>, residual<branch, branch>, lstm<2>, causal_conv1d<1, 3>>;
     net large;
     for (float& value : large.learnable_values())
         value = 300;
@@ -275,7 +276,7 @@ TEST_CASE(
     using state = decltype(stream)::state;
     constexpr std::size_t bytes = saved_state_bytes<state>;
     const float most = stream.folded()[0];
-    CHECK(stream.folded().size() == 5 + net::parameters);
+    CHECK(stream.folded().size() == 1 + 5 + net::parameters);
     state memory, again;
     std::array<float, 1> outputs;
     for (std::size_t frame = 0; frame < 4; ++frame)
@@ -286,7 +287,7 @@ TEST_CASE(
 
     std::size_t refused = 0;
     for (std::size_t place = 16; place + 12 <= bytes; place += 4)
-        for (const float number : {-3e38F, most, 4 * most, 1e10F}) {
+        for (const float number : {-3e38F, most, 4 * most, 1e10F, 0x1p-149F}) { // the last is 1 as an integer
             auto forged = saved;
             std::memcpy(forged.data() + place, &number, sizeof(number));
             const std::uint64_t sum = xxh64().update(std::span(forged).first(bytes - 8)).digest();
@@ -301,7 +302,8 @@ TEST_CASE(
                 REQUIRE(std::isfinite(outputs[0]));
             }
         }
-    CHECK(refused > 20);
+    // Places in rings that have one frame or two; features; larger inputs of the rings behind; hidden units.
+    CHECK(refused == 3 * 5 + 4 + 2 + 2 * 2 + 4 + 4 * 2 * kernels::padded_size<float>(2));
 }
 
 TEST_CASE("deployed_stream: a state of damaged bytes gives wrong numbers, and touches no other memory") {
@@ -348,6 +350,26 @@ TEST_CASE("deployed_stream: classify returns the largest logit and its probabili
         CHECK(found->index == expected->index);
         CHECK(found->probability == expected->probability);
     }
+}
+
+TEST_CASE("deploy_stream: the temperature of a model; an untrained network is refused") {
+    model<tagger> trained;
+    CHECK_THROWS_WITH_AS((void)deploy_stream(trained),
+                         doctest::Contains("deploy_stream: expected a trained network"),
+                         std::invalid_argument);
+    trained.network = drawn_network<tagger>();
+    trained.temperature = 0.25;
+    const auto stream = deploy_stream(trained);
+    CHECK(stream.temperature() == 0.25);
+    decltype(stream)::state memory, same;
+    std::array<float, stream.outputs> logits;
+    const std::array features{1.0F, -0.5F, 2.0F};
+    const auto found = stream.classify(features, memory);
+    REQUIRE(stream.step(features, same, logits) == frame_status::ok);
+    REQUIRE(found);
+    CHECK(found->probability == classify_logits(logits, stream.outputs, 0.25)->probability);
+    CHECK(found->probability != classify_logits(logits, stream.outputs)->probability);
+    CHECK_THROWS_AS(deploy_stream(trained.network).set_temperature(0), std::invalid_argument);
 }
 
 TEST_CASE("deploy_stream: parameters that are not finite or too large are refused") {

@@ -101,7 +101,7 @@ class deployed_view : public detail::packed_steps<input_stage<typename Steps::fo
     using typename base::format, typename base::packed_number;
     using typename base::input;
     using output = output_stage<format, Steps::output, Steps::output_stride>;
-    using base::packed_, base::classes_, base::output_map;
+    using base::packed_, base::classes_, base::temperature_, base::output_map;
 
 public:
     using base::outputs, base::workspace_elements;
@@ -122,7 +122,7 @@ public:
     /// stand for a class. Logits are divided by the temperature for probabilities.
     constexpr explicit deployed_view(const packed_number* packed, std::size_t classes = outputs,
                                      double temperature = 1) noexcept
-        : base(packed, classes), temperature_(temperature) {}
+        : base(packed, classes, temperature) {}
     constexpr explicit deployed_view(const packed_weights& weights, std::size_t classes = outputs,
                                      double temperature = 1) noexcept
         : deployed_view(weights.elements.data(), classes, temperature) {}
@@ -225,8 +225,6 @@ private:
                       "deployed: this network needs more workspace than a stack should hold: give it some "
                       "from the heap; fits_stack shows bytes needed, bytes at most");
     }
-
-    double temperature_;
 };
 
 }} // namespace tactnet

@@ -54,11 +54,12 @@ public:
     [[nodiscard]] constexpr std::size_t class_count() const noexcept { return classes_; }
 
 protected:
-    constexpr packed_steps(const packed_number* packed, std::size_t classes) noexcept
-        : packed_(packed), classes_(classes) {}
+    constexpr packed_steps(const packed_number* packed, std::size_t classes, double temperature) noexcept
+        : packed_(packed), classes_(classes), temperature_(temperature) {}
 
     const packed_number* packed_;
     std::size_t classes_;
+    double temperature_; ///< what logits are divided by for probabilities
 };
 
 }}} // namespace tactnet::detail

@@ -102,8 +102,18 @@ public:
         return std::span<const float, folded_elements>(folded_.data(), folded_elements);
     }
     /// A view of these weights, which must outlive the view.
-    [[nodiscard]] view_type view() const& noexcept { return view_type(packed_.data()); }
+    [[nodiscard]] view_type view() const& noexcept {
+        return view_type(packed_.data(), outputs, temperature_);
+    }
     view_type view() const&& = delete;
+    /// Sets what logits are divided by for the probabilities of `classify`, as fit_temperature finds it.
+    /// Throws std::invalid_argument unless is_temperature(temperature).
+    void set_temperature(double temperature) {
+        detail::check_temperature("deploy_stream", temperature);
+        temperature_ = temperature;
+    }
+    /// 1, or the temperature of the model.
+    [[nodiscard]] double temperature() const noexcept { return temperature_; }
     /// Every output stands for a class.
     [[nodiscard]] static constexpr std::size_t class_count() noexcept { return outputs; }
 
@@ -167,13 +177,22 @@ private:
 
     std::vector<float> folded_;
     aligned_vector<typename Format::packed_number> packed_;
+    double temperature_ = 1;
 };
 
 /// Packs a trained network of sequences for frames as they come. Throws as the constructor of
-/// deployed_stream.
+/// deployed_stream, and for a network whose weights are all zero.
 template <class Network>
 [[nodiscard]] deployed_stream<Network> deploy_stream(const Network& network) {
+    detail::check_trained("deploy_stream", network);
     return deployed_stream<Network>(network);
+}
+/// That of a model, with its temperature. Its normalisation is for images alone: scale the features.
+template <class Network>
+[[nodiscard]] deployed_stream<Network> deploy_stream(const model<Network>& trained) {
+    deployed_stream<Network> stream = deploy_stream(trained.network);
+    stream.set_temperature(trained.temperature);
+    return stream;
 }
 
 }} // namespace tactnet

@@ -142,13 +142,15 @@ public:
     static constexpr std::size_t state_bytes = sizeof(state);
 
     /// `packed` must outlive the view and be aligned to `vector_alignment`. Only the first `classes` outputs
-    /// stand for a class.
-    constexpr explicit stream_view(const packed_number* packed, std::size_t classes = outputs) noexcept
-        : base(packed, classes) {}
-    constexpr explicit stream_view(const packed_weights& weights, std::size_t classes = outputs) noexcept
-        : stream_view(weights.elements.data(), classes) {}
-    explicit stream_view(const packed_weights&&,
-                         std::size_t = outputs) = delete; // they must outlive the view
+    /// stand for a class. Logits are divided by the temperature for probabilities.
+    constexpr explicit stream_view(const packed_number* packed, std::size_t classes = outputs,
+                                   double temperature = 1) noexcept
+        : base(packed, classes, temperature) {}
+    constexpr explicit stream_view(const packed_weights& weights, std::size_t classes = outputs,
+                                   double temperature = 1) noexcept
+        : stream_view(weights.elements.data(), classes, temperature) {}
+    explicit stream_view(const packed_weights&&, std::size_t = outputs,
+                         double = 1) = delete; // they must outlive the view
 
     /// Takes the features of one frame, writes the outputs after it and updates the state. For a frame that
     /// the stream refuses (deployed_stream), returns not_finite; the state and the outputs are then
@@ -172,8 +174,9 @@ public:
     [[nodiscard]] std::optional<recognition> classify(std::span<const float, features> frame,
                                                       state& memory) const noexcept {
         std::array<float, outputs> found;
-        return step(frame, memory, found) == frame_status::ok ? classify_logits(found, this->class_count())
-                                                              : std::nullopt;
+        return step(frame, memory, found) == frame_status::ok
+                   ? classify_logits(found, this->class_count(), this->temperature_)
+                   : std::nullopt;
     }
     /// Takes a recording, `features` numbers of one frame after the other, and writes `outputs` numbers for
     /// each frame: the bits of a `step` for each. Returns the number of frames that were taken: all that are

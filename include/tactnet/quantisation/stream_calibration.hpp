@@ -225,13 +225,15 @@ private:
 };
 
 /// Deploys a trained network of sequences in 8 bits, for frames as they come. `sequences` are training
-/// samples, which set the ranges. Throws std::invalid_argument as stream_calibration:
+/// samples, which set the ranges. Throws std::invalid_argument as stream_calibration, and for a
+/// network whose weights are all zero:
 ///
 ///     const auto stream = deploy_stream<eight_bit>(network, training_sequences);
 template <class Format, class Network>
     requires std::is_same_v<Format, eight_bit>
 [[nodiscard]] deployed_stream<Network, eight_bit> deploy_stream(const Network& network,
                                                                 std::span<const float> sequences) {
+    detail::check_trained("deploy_stream", network);
     return deployed_stream<Network, eight_bit>(stream_calibration<Network>(network, sequences).folded());
 }
 

@@ -36,6 +36,11 @@ void same_as(const Recogniser& recogniser, std::span<const float> folded) {
     REQUIRE(original.run(recording, of_original, expected) == frames);
     REQUIRE(recogniser.run(recording, of_header, found) == frames);
     CHECK(support::same_bits(expected, found));
+    if (recogniser.class_count() == view::outputs) {
+        const auto frame = std::span(recording).template first<view::features>();
+        CHECK(recogniser.classify(frame, of_header)->probability ==
+              original.classify(frame, of_original)->probability);
+    }
     CHECK(std::any_of(found.begin(), found.end(), [&](float value) { return value != found[0]; }));
 }
 

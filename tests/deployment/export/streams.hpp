@@ -36,5 +36,8 @@ auto deployed_stream_of(tactnet::single_precision) {
 template <class Network>
 auto deployed_stream_of(tactnet::eight_bit) {
     // Any order of numbers is as good as another.
-    return tactnet::deploy_stream<tactnet::eight_bit>(filled_network<Network>(), recordings<Network>(8, 5));
+    auto stream =
+        tactnet::deploy_stream<tactnet::eight_bit>(filled_network<Network>(), recordings<Network>(8, 5));
+    stream.set_temperature(0.7);
+    return stream;
 }

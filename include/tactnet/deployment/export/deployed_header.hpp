@@ -98,6 +98,14 @@ template <class Network, class Format, class View>
     return filled({parts[0], header_beginning, parts[1], header_end}, fields);
 }
 
+/// What a view is told besides its packed weights, where this is not what it assumes.
+[[nodiscard]] inline std::string known_arguments(const header_description& description, double temperature) {
+    const std::string classes = description.classes.empty() ? "recogniser_type::outputs" : "classes.size()";
+    if (temperature != 1)
+        return ", " + classes + ", " + literal(temperature);
+    return description.classes.empty() ? "" : ", " + classes;
+}
+
 } // namespace detail
 
 /// Returns the text of a header that holds a deployed network. The header includes deployed_view.hpp and
@@ -130,10 +138,7 @@ template <class Network, class Format>
         {{"contents", "The mean frame, the scale, the largest input, then weights and biases step by step."},
          {"size", detail::size_of(input)},
          {"remaining", std::to_string(view::folded_elements - view::steps_folded)},
-         {"known",
-          (description.classes.empty() ? network.temperature() == 1 ? "" : ", recogniser_type::outputs"
-                                       : ", classes.size()") +
-              (network.temperature() == 1 ? "" : ", " + detail::literal(network.temperature()))},
+         {"known", detail::known_arguments(description, network.temperature())},
          {"memory", on_stack ? "" : ", memory"},
          {"memory parameter", on_stack ? "" : "recogniser_type::workspace& memory"},
          {"frame", detail::number_lines<std::uint8_t>(
@@ -167,7 +172,7 @@ template <class Network, class Format>
         {detail::stream_comment, detail::stream_selftest},
         {{"contents", "What the input needs, then weights and biases step by step."},
          {"features", features},
-         {"known", description.classes.empty() ? "" : ", classes.size()"},
+         {"known", detail::known_arguments(description, stream.temperature())},
          {"recorded frames", std::to_string(frames)},
          {"recording", detail::number_lines<float>(recording, detail::literal<float>)}});
 }
