@@ -118,16 +118,7 @@ public:
     /// Whether to prefer layer-wise batching, and all threads for one frame.
     static constexpr bool layerwise = Steps::layerwise;
 
-    /// `packed` must outlive the view and be aligned to `vector_alignment`. Only the first `classes` outputs
-    /// stand for a class. Logits are divided by the temperature for probabilities.
-    constexpr explicit deployed_view(const packed_number* packed, std::size_t classes = outputs,
-                                     double temperature = 1) noexcept
-        : base(packed, classes, temperature) {}
-    constexpr explicit deployed_view(const packed_weights& weights, std::size_t classes = outputs,
-                                     double temperature = 1) noexcept
-        : deployed_view(weights.elements.data(), classes, temperature) {}
-    explicit deployed_view(const packed_weights&&, std::size_t = outputs,
-                           double = 1) = delete; // they must outlive the view
+    using base::base;
 
     using detail::refused_calls<Input, outputs>::infer;
     using detail::refused_calls<Input, outputs>::classify;

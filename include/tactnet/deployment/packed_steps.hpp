@@ -50,16 +50,24 @@ public:
         return result;
     }
 
+    /// `packed` must outlive the view and be aligned to `vector_alignment`. Only the first `classes` outputs
+    /// stand for a class. Logits are divided by the temperature for probabilities.
+    constexpr explicit packed_steps(const packed_number* packed, std::size_t classes = outputs,
+                                    double temperature = 1) noexcept
+        : packed_(packed), classes_(classes), temperature_(temperature) {}
+    constexpr explicit packed_steps(const packed_weights& weights, std::size_t classes = outputs,
+                                    double temperature = 1) noexcept
+        : packed_steps(weights.elements.data(), classes, temperature) {}
+    explicit packed_steps(const packed_weights&&, std::size_t = outputs,
+                          double = 1) = delete; // they must outlive the view
+
     /// How many outputs stand for a class: the first ones.
     [[nodiscard]] constexpr std::size_t class_count() const noexcept { return classes_; }
 
 protected:
-    constexpr packed_steps(const packed_number* packed, std::size_t classes, double temperature) noexcept
-        : packed_(packed), classes_(classes), temperature_(temperature) {}
-
     const packed_number* packed_;
     std::size_t classes_;
-    double temperature_; ///< what logits are divided by for probabilities
+    double temperature_;
 };
 
 }}} // namespace tactnet::detail

@@ -141,16 +141,7 @@ public:
     using state = detail::state_of_stream<Steps>;
     static constexpr std::size_t state_bytes = sizeof(state);
 
-    /// `packed` must outlive the view and be aligned to `vector_alignment`. Only the first `classes` outputs
-    /// stand for a class. Logits are divided by the temperature for probabilities.
-    constexpr explicit stream_view(const packed_number* packed, std::size_t classes = outputs,
-                                   double temperature = 1) noexcept
-        : base(packed, classes, temperature) {}
-    constexpr explicit stream_view(const packed_weights& weights, std::size_t classes = outputs,
-                                   double temperature = 1) noexcept
-        : stream_view(weights.elements.data(), classes, temperature) {}
-    explicit stream_view(const packed_weights&&, std::size_t = outputs,
-                         double = 1) = delete; // they must outlive the view
+    using base::base;
 
     /// Takes the features of one frame, writes the outputs after it and updates the state. For a frame that
     /// the stream refuses (deployed_stream), returns not_finite; the state and the outputs are then
