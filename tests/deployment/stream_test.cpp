@@ -280,7 +280,7 @@ TEST_CASE(
     state memory, again;
     std::array<float, 1> outputs;
     for (std::size_t frame = 0; frame < 4; ++frame)
-        REQUIRE(stream.step(std::array{frame % 3 == 0 ? -most : most}, memory, outputs) == frame_status::ok);
+        REQUIRE(stream.step(std::array{frame % 3 == 1 ? -most : most}, memory, outputs) == frame_status::ok);
     std::array<std::byte, bytes> saved;
     save_state(memory, std::span(saved));
     CHECK(stream.restore_state(saved, again) == restore_status::ok);
