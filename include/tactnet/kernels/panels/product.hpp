@@ -71,7 +71,9 @@ template <std::size_t Rows, std::size_t Vectors, std::size_t Panels = 1>
     constexpr std::size_t width = lanes<float>, across = Vectors * Panels;
     // Every third row has a pointer, and the stride reaches those between: general registers suffice.
     constexpr std::size_t pointers = (Rows + 2) / 3, sums_of_block = Rows * across;
-    const std::size_t stride = rows.input_stride, gap = rows.line_distance - rows.depth;
+    const std::size_t stride = rows.input_stride;
+    const auto gap = // a single line has no distance
+        static_cast<std::ptrdiff_t>(rows.line_distance) - static_cast<std::ptrdiff_t>(rows.depth);
     const std::size_t lines = rows.lines, depth = rows.depth;
     std::array<const float*, pointers> at;
 #pragma GCC unroll 64
