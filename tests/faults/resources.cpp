@@ -137,7 +137,8 @@ void break_streams(scene& s, std::size_t number) {
     const std::vector<job> all = jobs(s.made);
     constexpr std::array kinds{stream::usual, stream::closed, stream::full, stream::broken, stream::null};
     conditions under;
-    const std::size_t which = number / all.size() % (kinds.size() * kinds.size());
+    // All pairs of kinds in any 25 cases, each with another job later.
+    const std::size_t pairs = kinds.size() * kinds.size(), which = (7 * number + number / 100) % pairs;
     under.out = kinds[which % kinds.size()];
     under.error = kinds[which / kinds.size()];
     const job& what = all[number % all.size()];
