@@ -1,0 +1,1 @@
+"""Tools in Python for tactnet, the C++ library that recognises touched objects."""
