@@ -1,4 +1,5 @@
-// tactnet export: a weight file becomes a C++ header, or with --bits 8 one in 8 bits or another weight file.
+// tactnet export: a weight file becomes a C++ header, with --bits 8 one in 8 bits or another weight file, or
+// with --onnx a model for other runtimes.
 
 #include "commands/commands.hpp"
 #include "files/output_files.hpp"
@@ -13,6 +14,7 @@ struct export_options {
     weight_options weights;
     std::string output, namespace_name = "tactile", packing, data, images = "training";
     std::size_t bits = 32;
+    bool onnx = false;
 };
 
 /// The frames of the file's self-test, or a made-up one.
@@ -42,6 +44,9 @@ void check(const export_options& o) {
     if (is_weight_file(o) && !o.weights.classes.empty())
         refuse("--classes: expected a header to write, found a weight file, which keeps the names of the "
                "other");
+    if (o.onnx && (o.bits == 8 || !o.packing.empty() || is_weight_file(o)))
+        refuse("--onnx: expected an ONNX file to write, in single precision, found --bits 8, --packing or "
+               "the name of a weight file");
     if (o.bits != 8 && is_weight_file(o))
         refuse("--output: expected --bits 8, with which a weight file becomes another, or the name of a "
                "header, found a name that ends in .safetensors");
@@ -70,6 +75,15 @@ int export_network(const export_options& o) {
     if (network == nullptr)
         refuse("{}: expected a network, found the {} {}, which cannot be written as a header",
                o.weights.weights, weights.what->kind(), weights.what->name);
+    if (o.onnx) {
+        const std::string model = network->onnx();
+        if (model.empty())
+            refuse("{}: expected a network in single precision whose layers ONNX has, found {}",
+                   o.weights.weights, weights.trained->bits() == 8 ? "one in 8 bits" : "others");
+        make_folder_of(o.output);
+        tactnet::write_file(o.output, model);
+        return success;
+    }
     const std::vector<std::uint8_t> frames = selftest_frames(o.weights.weights, *weights.what);
     std::unique_ptr<trained_network> in_bytes;
     if (o.bits == 8) {
@@ -108,7 +122,7 @@ command add_export(CLI::App& program) {
     auto* app = program.add_subcommand(
         "export",
         "Write a trained network as a C++ header, for programs without files, heap and exceptions; or "
-        "in 8 bits, as a header or a weight file");
+        "in 8 bits, as a header or a weight file; or as an ONNX file");
     auto o = std::make_shared<export_options>();
     add_weight_options(*app, o->weights);
     app->add_option("--output", o->output,
@@ -120,6 +134,7 @@ command add_export(CLI::App& program) {
     app->add_option("--data", o->data, "With --bits 8: the folder of images that the network was trained on");
     add_option(*app, "--images", o->images, CLI::IsMember({"training", "all"}),
                "Use the 'training' images of its split, or 'all' images; never use test images");
+    app->add_flag("--onnx", o->onnx, "Write an ONNX file, for other runtimes: counts in, logits out");
     app->add_option("--namespace", o->namespace_name, "Namespace of the header");
     add_option(*app, "--packing", o->packing, CLI::IsMember({"when-compiling", "at-start"}),
                "When weights are packed (default: when-compiling if that stays within the usual limits of "

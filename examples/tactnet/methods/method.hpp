@@ -134,6 +134,8 @@ public:
     /// std::invalid_argument for weights that cannot be deployed.
     virtual std::string header(const tactnet::header_description& says,
                                std::span<const std::uint8_t> frame) const = 0;
+    /// The bytes of an ONNX file; empty for a network that has no such form, as in 8 bits.
+    virtual std::string onnx() const { return {}; }
     /// What a conversion to 8 bits has just done to its outputs, as a sentence.
     virtual std::string calibration() const { return {}; }
     /// For methods with has_eight_bit_form; the chosen images set the ranges of its maps. Throws

@@ -70,6 +70,9 @@ TEST_SUITE("program") {
             {"export --weights net --output link", "--weights and --output" + different},
             {"export --weights net --output hard", "--weights and --output" + different},
             {"export --weights net --output here/net", "--weights and --output" + different},
+            {"export --weights net --onnx --output net", "--weights and --output" + different},
+            {"export --weights net --onnx --packing at-start --output net.onnx",
+             "--onnx: expected an ONNX file"},
             {"export --weights net --classes names --output names", "--classes and --output" + different},
             {"evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --start net",
              "--start and --results" + different},
@@ -183,6 +186,8 @@ TEST_SUITE("program") {
         CHECK(fs::exists(shop / "results" / name));
         tactnet::write_file(shop / name.c_str(), "half");
         shop.succeeds("export --weights net --output net.hpp");
+        shop.succeeds("export --weights net --onnx --output net.onnx");
+        CHECK(shop.text("net.onnx").find("counts") != std::string::npos);
         CHECK_FALSE(fs::exists(shop / name.c_str()));
         shop.succeeds("evaluate --data DATA --weights net");
         CHECK_FALSE(fs::exists(shop / "results" / name));

@@ -6,6 +6,7 @@
 
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/export/deployed_header.hpp>
+#include <tactnet/deployment/export/onnx_model.hpp>
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
@@ -71,7 +72,14 @@ compiled_network compile_network() {
                                 model.scale),
                 model.classes, model.temperature);
         },
+        .onnx = nullptr,
         .variation_of = nullptr};
+    if constexpr (tactnet::has_onnx_form<Network>)
+        code.onnx = [](const any_model& model) {
+            const auto& own = static_cast<const tactnet::trainable_network<Network>&>(*model.network);
+            return tactnet::onnx_model(own.network(), std::span(model.mean).template first<input.size()>(),
+                                       model.scale, model.classes);
+        };
     code.variation_of = [](const tactnet::shape& taken) -> tactnet::images_as_taken::variation {
         // Images of the paper's array are varied as they were taken, and reduced.
         constexpr tactnet::shape array = tactnet::tekscan_6077::extents;

@@ -49,6 +49,8 @@ struct compiled_network {
     std::vector<tactnet::parameter> (*describe)();
     /// Throws std::invalid_argument for parameters that cannot be deployed.
     std::unique_ptr<any_deployed> (*deploy)(const any_model& model);
+    /// The bytes of an ONNX file; null for a network that has no such form.
+    std::string (*onnx)(const any_model& model);
     /// How images of that size are varied and reduced; null where that was not compiled in.
     tactnet::images_as_taken::variation (*variation_of)(const tactnet::shape& taken);
 

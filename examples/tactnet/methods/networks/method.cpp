@@ -134,6 +134,7 @@ public:
                        std::span<const std::uint8_t> frame) const override {
         return code_.deploy(model_)->header(says, frame);
     }
+    std::string onnx() const override { return code_.onnx == nullptr ? std::string() : code_.onnx(model_); }
     std::unique_ptr<trained_network> in_eight_bits(const tactnet::labelled_images& images,
                                                    std::span<const std::size_t> chosen) const override {
         if (bytes_ == nullptr)
