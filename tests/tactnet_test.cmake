@@ -203,14 +203,14 @@ function(tactnet_test name)
     endif()
 endfunction()
 
-# Sets a variable to a Python with numpy and PyTorch, or to nothing.
-function(tactnet_find_torch_python variable)
+# tactnet_find_python(variable modules): sets a variable to a Python that can import these modules ("numpy, torch"), or to nothing.
+function(tactnet_find_python variable modules)
     find_package(Python3 QUIET COMPONENTS Interpreter)
     set(found "")
     foreach(python IN ITEMS "${Python3_EXECUTABLE}" /usr/bin/python3)
         if(python AND NOT found)
             execute_process(
-                COMMAND "${python}" -c "import numpy, torch" RESULT_VARIABLE missing OUTPUT_QUIET ERROR_QUIET
+                COMMAND "${python}" -c "import ${modules}" RESULT_VARIABLE missing OUTPUT_QUIET ERROR_QUIET
             )
             if(missing EQUAL 0)
                 set(found "${python}")
