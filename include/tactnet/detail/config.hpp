@@ -31,6 +31,12 @@
 //
 // Configuration: define TACTNET_NO_SIMD to build without vector instructions. It is defined automatically
 // where xsimd has no vectors of both float and double: they need SSE2, 64-bit ARM or WebAssembly's SIMD.
+// Helium's vectors of floats and integers need no xsimd.
+#if !defined(TACTNET_NO_SIMD) && defined(__ARM_FEATURE_MVE) && !defined(__ARM_BIG_ENDIAN)
+#if __ARM_FEATURE_MVE & 2
+#define TACTNET_HELIUM
+#endif
+#endif
 #if !defined(TACTNET_NO_SIMD) && !defined(__SSE2__) && !defined(__aarch64__) && !defined(__wasm_simd128__)
 #define TACTNET_NO_SIMD
 #endif
@@ -38,7 +44,7 @@
 // The table of names: each has a short form for the namespace and a long one for people.
 #define TACTNET_ARCH_SHORT(name, text) name
 #define TACTNET_ARCH_LONG(name, text) text
-#if defined(TACTNET_NO_SIMD)
+#if defined(TACTNET_NO_SIMD) && !defined(TACTNET_HELIUM)
 #define TACTNET_ARCH_KIND(form) form(for_scalar_, "scalar")
 #else
 #define TACTNET_ARCH_KIND(form) form(for_, "simd")
@@ -70,6 +76,9 @@
 #define TACTNET_ARCH_LEVEL(form) form(neon, "_neon64")
 #elif defined(__wasm_simd128__)
 #define TACTNET_ARCH_LEVEL(form) form(wasm128, "_wasm128")
+#elif defined(__ARM_FEATURE_MVE) // 1: integers, 3: also floats
+#define TACTNET_ARCH_LEVEL(form)                                                                             \
+    form(TACTNET_ARCH_JOIN(helium, __ARM_FEATURE_MVE), "_helium" TACTNET_ARCH_TEXT(__ARM_FEATURE_MVE))
 #else
 #define TACTNET_ARCH_LEVEL(form) form(base, "")
 #endif

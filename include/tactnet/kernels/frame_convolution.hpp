@@ -82,10 +82,11 @@ struct frame_convolution {
         return all;
     }
 
+    static constexpr std::size_t max_block_vectors = vector_registers >= 16 ? 2 : 1;
     /// The most pixels of a pool's window that a register block of every instruction set holds. With 32
     /// registers a block holds twice as many, but a convolution and a separate pool of 3 × 3 are faster.
     static constexpr std::size_t max_pool_area = 6;
-    static_assert(2 * max_pool_area <= max_block_sums);
+    static_assert(max_block_vectors * max_pool_area <= max_block_sums);
 
     /// Whether each channel is a group of its own, with one filter or several (a multiplier above 1).
     [[nodiscard]] constexpr bool is_depthwise() const {
@@ -124,7 +125,10 @@ struct frame_convolution {
     }
 
     /// Vectors of output channels in a register block.
-    [[nodiscard]] constexpr std::size_t block_vectors() const { return std::min<std::size_t>(vectors(), 2); }
+    [[nodiscard]] constexpr std::size_t block_vectors() const {
+        return std::min<std::size_t>(vectors(), max_block_vectors);
+    }
+
     [[nodiscard]] constexpr std::size_t block_rows() const {
         return pool.rows > 1 ? pool.rows : std::min<std::size_t>(rows(), 2);
     }

@@ -1,8 +1,8 @@
-"""What a deployed network takes of a microcontroller: TactNet-4 for 14 × 25 tactels in single precision and in 8 bits, on Cortex-M7 and
-Cortex-M4. Fails if 8 bits take more than 24 kB of flash or 16 kB of RAM with the stack, if a program holds a heap or exceptions, if a
-self-test fails, or if the table on the page is another one.
+"""What a deployed network takes of a microcontroller: TactNet-4 for 14 × 25 tactels in single precision and in 8 bits, on Cortex-M7, M4 and
+M55. Fails if 8 bits take more than 24 kB of flash or 16 kB of RAM with the stack, if a program holds a heap or exceptions, if a
+self-test fails, if the table on the page is another one, or if what Clang makes takes more than 1.2 times the instructions of GCC's.
 
-python3 check.py COMPILER EMULATOR INCLUDE HEADERS FOLDER PAGE [--write]      HEADERS as write_headers.cpp writes them
+python3 check.py COMPILER EMULATOR CLANG INCLUDE HEADERS FOLDER PAGE [--write]      HEADERS as write_headers.cpp writes them
 
 With --write the table takes the place of the one on the page. Without an emulator only flash and static RAM are checked.
 """
@@ -12,13 +12,15 @@ import re
 import subprocess
 import sys
 
-compiler, emulator, include, headers, folder, page = sys.argv[1:7]
+compiler, emulator, clang, include, headers, folder, page = sys.argv[1:8]
 if compiler == "-":
     print("skipped: there is no arm-none-eabi-g++ (Debian: gcc-arm-none-eabi, libstdc++-arm-none-eabi-newlib)")
     sys.exit(77)
 HERE, page = pathlib.Path(__file__).parent, pathlib.Path(page)
-UNITS = {"cortex-m7": "fpv5-sp-d16", "cortex-m4": "fpv4-sp-d16"}
-BOARDS = {"cortex-m7": "mps2-an500", "cortex-m4": "mps2-an386"}
+UNITS = {"cortex-m7": ["-mfpu=fpv5-sp-d16"], "cortex-m4": ["-mfpu=fpv4-sp-d16"], "cortex-m55": []}
+# The board, the nanoseconds from one tick of its timer to the next, and where its flash and its RAM begin.
+BOARDS = {"cortex-m7": ("mps2-an500", 40, 0, 0x20000000), "cortex-m4": ("mps2-an386", 40, 0, 0x20000000),
+          "cortex-m55": ("mps3-an547", 31.25, 0x10000000, 0x30000000)}
 FORBIDDEN = r" (_?(?:malloc|free|sbrk)(?:_r)?|_Z(?:nw|na|dl)\w*|__cxa_throw|abort)$"
 BEGIN, END = "<!-- microcontroller -->\n", "<!-- microcontroller ends -->"
 
@@ -38,31 +40,49 @@ def number(pattern, text):
     return int(found[1])
 
 
-def build(source, processor, level, form, ram=None):
-    """Bytes of flash and of RAM with the stack, and the instructions of a frame. Stack and instructions are 0 without an emulator."""
-    command = [compiler, "-std=c++20", level, "-mthumb", f"-mcpu={processor}", f"-mfpu={UNITS[processor]}", "-mfloat-abi=hard", "-fno-exceptions",
+def for_clang(target):
+    """How Clang is called for a target of the GNU compiler: with that one's libraries."""
+    told = subprocess.run([compiler, *target, "-E", "-v", "-x", "c++", "/dev/null"], capture_output=True, text=True, check=True).stderr
+    folders = re.search("#include <...> search starts here:\n(.*?)End of search list", told, re.S)[1].split()
+    return ["--target=arm-none-eabi", *(f"-isystem{folder}" for folder in folders if not re.search("/lib/gcc/[^/]*/[^/]*/include", folder))]
+
+
+def build(source, processor, level, form, ram=None, by=None):
+    """Bytes of flash and of RAM with the stack, and the instructions of a frame. Stack and instructions are 0 without an emulator. `by` is
+    another compiler than the GNU one, which links."""
+    board, tick, flash_begins, ram_begins = BOARDS[processor]
+    target = ["-mthumb", f"-mcpu={processor}", *(UNITS[processor] or ([] if by else ["-mfpu=auto"])), "-mfloat-abi=hard"]
+    options = ["-std=c++20", level, *target, "-fno-exceptions",
                "-fno-rtti", "-ffunction-sections", "-fdata-sections", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror",
-               f'-DTEST_HEADER="{form}.hpp"', "-DNDEBUG", f"-I{headers}", f"-I{include}", "-nostartfiles", "-Wl,--gc-sections",
-               f"-T{HERE}/firmware.ld", f"{HERE}/{source}.cpp"]
-    command += [f"-Wl,--defsym=ram_bytes={ram}"] if ram else []
-    command += ["-DTEST_SAME_BITS"] if form == "eight_bit" else []
-    program = f"{folder}/{form}_{processor}{level}"
-    subprocess.run([*command, "-o", f"{program}.elf"], check=True)  # without what counts, which no product has
+               f'-DTEST_HEADER="{form}.hpp"', "-DNDEBUG", f"-I{headers}", f"-I{include}"]
+    link = ["-nostartfiles", "-Wl,--gc-sections", f"-T{HERE}/firmware.ld", f"-Wl,--defsym=flash_begins={flash_begins}",
+            f"-Wl,--defsym=ram_begins={ram_begins}", *([f"-Wl,--defsym=ram_bytes={ram}"] if ram else [])]
+    options += ["-DTEST_SAME_BITS"] if form == "eight_bit" else []
+    program = f"{folder}/{form}_{processor}{level}{'_clang' if by else ''}"
+
+    def compile_to(result, *more):
+        if not by:
+            subprocess.run([compiler, *options, *more, *link, f"{HERE}/{source}.cpp", "-o", result], check=True)
+            return
+        subprocess.run([by, *options, *more, *for_clang(target), "-c", f"{HERE}/{source}.cpp", "-o", f"{result}.o"], check=True)
+        subprocess.run([compiler, *target, *link, f"{result}.o", "-o", result], check=True, stderr=subprocess.DEVNULL)
+
+    compile_to(f"{program}.elf")  # without what counts, which no product has
     text, data, bss = map(int, output(tool("size"), f"{program}.elf").splitlines()[1].split()[:3])
     if found := re.findall(FORBIDDEN, output(tool("nm"), f"{program}.elf"), re.M):
         sys.exit(f"microcontroller: {program}.elf holds {found}: no heap, no exceptions.")
     stack = instructions = 0
     if emulator != "-":
-        subprocess.run([*command, "-DTEST_REPORT", "-o", f"{program}_report.elf"], check=True)
-        # One nanosecond of the emulated clock an instruction; the timer ticks once in 40 of them.
-        machine = f"-M {BOARDS[processor]} -nographic -monitor none -serial none -icount shift=0 -semihosting-config enable=on,target=native"
+        compile_to(f"{program}_report.elf", "-DTEST_REPORT")
+        # One nanosecond of the emulated clock an instruction; the timer ticks once in some tens of them.
+        machine = f"-M {board} -nographic -monitor none -serial none -icount shift=0 -semihosting-config enable=on,target=native"
         done = subprocess.run([emulator, *machine.split(), "-kernel", f"{program}_report.elf"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                               text=True, timeout=60, check=False)
         if done.returncode:
             sys.exit(f"microcontroller: {program}_report.elf ended with {done.returncode} (2: the self-test failed, 3: other bits):\n{done.stdout}")
         stack = number("stack ([0-9]+)\n", done.stdout)
-        instructions = number("ticks of 20 frames ([0-9]+)\n", done.stdout) * 40 // 20
-    print(f"{processor} {level} {form}: flash {text + data} bytes, static RAM {data + bss}, stack {stack}, instructions of a frame {instructions}")
+        instructions = int(number("ticks of 20 frames ([0-9]+)\n", done.stdout) * tick) // 20
+    print(f"{by or compiler} {processor} {level} {form}: flash {text + data} bytes, static RAM {data + bss}, stack {stack}, instructions of a frame {instructions}")
     return text + data, data + bss + stack, instructions
 
 
@@ -103,6 +123,11 @@ for processor in UNITS:
         def row(what, place, scale, digits):
             return f"| {what} | " + " | ".join(f"{(form[place] + scale // 2) // scale / 10**digits:.{digits}f}" for form in (one, eight)) + " |\n"
 
+        if level == "-O2" and processor != "cortex-m4" and clang != "-" and emulator != "-":
+            for form, gnu in (("single_precision", one), ("eight_bit", eight)):
+                other = build("firmware", processor, level, form, by=clang)
+                if other[2] > 1.2 * gnu[2]:
+                    sys.exit(f"microcontroller: {clang} makes {other[2]} instructions of {form} on {processor}, {compiler} {gnu[2]}: expected at most 1.2 times")
         table += row(f"{processor.title()}, `{level}` | flash, kB", 0, 100, 1)
         table += row("| RAM with the stack, kB", 1, 100, 1) + row("| thousands of instructions per frame", 2, 1000, 0)
 # A GRU of 16 units for 3 features, frame by frame.

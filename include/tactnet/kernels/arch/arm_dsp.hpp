@@ -21,7 +21,7 @@ struct arm_dsp : scalar {
         static constexpr std::size_t max_sums = 4; // of 14 registers
 
         [[gnu::always_inline]] static weights load(const std::int16_t* from) {
-            return load_bytes_as<weights>(from);
+            return load_bytes_as<weights>(aligned<4>(from));
         }
         [[gnu::always_inline]] static inputs broadcast(const staged* from) {
             return load_bytes_as<inputs>(from);
@@ -49,7 +49,7 @@ struct arm_dsp : scalar {
         static constexpr std::size_t max_sums = words<Lanes>::max_sums;
 
         [[gnu::always_inline]] static weights load(const std::int8_t* from) {
-            const auto bytes_of_group = load_bytes_as<int8x4_t>(from);
+            const auto bytes_of_group = load_bytes_as<int8x4_t>(aligned<4>(from));
             int16x2_t second;
             // __sxtb16 of the bytes turned by 8 would be two instructions.
             asm("sxtb16 %0, %1, ror #8" : "=r"(second) : "r"(bytes_of_group));

@@ -31,9 +31,14 @@ using int16_vec = typename detail::compiler_vector<std::int16_t, Lanes>::type;
 template <std::size_t Lanes>
 using uint8_vec = typename detail::compiler_vector<std::uint8_t, Lanes>::type;
 
-/// Loads from any alignment, and from memory that was written as another type.
-template <class Vector>
-[[nodiscard]] [[gnu::always_inline]] inline Vector load_bytes_as(const void* from) {
+/// A pointer that is known to be a multiple of `Bytes`: Clang loads a word byte by byte unless it knows.
+template <std::size_t Bytes, class T>
+[[nodiscard]] [[gnu::always_inline]] inline T* aligned(T* pointer) {
+    return static_cast<T*>(__builtin_assume_aligned(pointer, Bytes));
+}
+/// Loads from memory that was written as another type, aligned as an element of T.
+template <class Vector, class T>
+[[nodiscard]] [[gnu::always_inline]] inline Vector load_bytes_as(const T* from) {
     Vector values;
     std::memcpy(&values, from, sizeof(values));
     return values;

@@ -84,6 +84,11 @@ template <class Vector, std::size_t... I>
 struct scalar {
     /// Lanes of the widest vector of 32-bit integers that the instruction set multiplies.
     static constexpr std::size_t integer_lanes = 1;
+    static constexpr std::size_t vector_registers = 16;
+    /// Lanes of a vector of floats, if there are such vectors and xsimd has none.
+    static constexpr std::size_t float_lanes = 1;
+    /// Lanes of the widest vector of 32-bit integers that are rounded to bytes together.
+    static constexpr std::size_t rounded_lanes = 1;
     /// Whether one instruction shuffles the bytes of a vector, and none converts integers to bytes.
     static constexpr bool shuffles_bytes = false;
     /// Instructions for the products of a group of words and their addition to the sums.
@@ -104,6 +109,35 @@ struct scalar {
     template <std::size_t Lanes>
     [[nodiscard]] [[gnu::always_inline]] static int32_vec<Lanes> to_int32(const uint8_vec<Lanes>& values) {
         return __builtin_convertvector(to_int16<Lanes>(values), int32_vec<Lanes>);
+    }
+    /// a · b + c of such vectors; b may be one number for all lanes.
+    template <class Floats, class Factor>
+    [[nodiscard]] [[gnu::always_inline]] static Floats multiply_add(const Floats& a, const Factor& b,
+                                                                    const Floats& c) {
+        return a * b + c;
+    }
+    /// The larger of both; `b` if one is NaN.
+    template <class Floats>
+    [[nodiscard]] [[gnu::always_inline]] static Floats larger(const Floats& a, const Floats& b) {
+        return a > b ? a : b;
+    }
+    template <std::size_t Lanes>
+    [[nodiscard]] [[gnu::always_inline]] static float_vec<Lanes> to_float(const int32_vec<Lanes>& values) {
+        return __builtin_convertvector(values, float_vec<Lanes>);
+    }
+    /// Clamps to a range; NaN becomes its least.
+    template <std::size_t Lanes>
+    [[nodiscard]] [[gnu::always_inline]] static float_vec<Lanes> clamp(float_vec<Lanes> values, float lowest,
+                                                                       float highest) {
+        const float_vec<Lanes> least = lowest - float_vec<Lanes>{}, most = highest - float_vec<Lanes>{};
+        values = values > least ? values : least;
+        values = values < most ? values : most;
+        return values;
+    }
+    /// The last 8 bits of each integer.
+    template <std::size_t Lanes>
+    [[nodiscard]] [[gnu::always_inline]] static uint8_vec<Lanes> last_bytes(const int32_vec<Lanes>& whole) {
+        return __builtin_convertvector(whole, uint8_vec<Lanes>);
     }
     /// Narrows integers from 0 to 255, in the order of `interleave`, to bytes in their own order.
     template <std::size_t Lanes>

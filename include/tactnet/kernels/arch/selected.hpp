@@ -9,6 +9,7 @@
 #include <tactnet/kernels/arch/wasm.hpp>
 #else
 #include <tactnet/kernels/arch/arm_dsp.hpp>
+#include <tactnet/kernels/arch/helium.hpp>
 #endif
 
 #include <cstddef>

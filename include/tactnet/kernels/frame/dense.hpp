@@ -76,7 +76,7 @@ template <frame_dense D, std::size_t Frames = 1>
                 of_input[v] = load_as<wide>(w + (i * vectors + v) * width);
 #pragma GCC unroll 64
             for (std::size_t frame = 0; frame < Frames; ++frame) {
-                const wide x(input[frame * input_distance + i]);
+                const broadcast<wide> x(input[frame * input_distance + i]);
 #pragma GCC unroll 64
                 for (std::size_t v = 0; v < vectors; ++v)
                     sums[frame * parts + part][v] =

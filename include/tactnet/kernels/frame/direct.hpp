@@ -58,10 +58,10 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
                 continue;
             const std::ptrdiff_t row =
                 (where.first_pixel + static_cast<std::ptrdiff_t>(r * C.window.input.columns)) * stride;
-            std::array<wide, under_columns> x;
+            std::array<broadcast<wide>, under_columns> x;
 #pragma GCC unroll 64
             for (std::size_t c = MissingLeft; c + MissingRight < under_columns; ++c)
-                x[c] = wide(input[row + static_cast<std::ptrdiff_t>(c) * stride]);
+                x[c] = broadcast<wide>(input[row + static_cast<std::ptrdiff_t>(c) * stride]);
 #pragma GCC unroll 64
             for (std::size_t y = 0; y < Rows; ++y) {
                 const std::size_t above = y * C.window.stride.rows;

@@ -58,23 +58,19 @@ template <std::size_t Lanes>
     else if constexpr (instructions::shuffles_bytes && Lanes == 8)
         return __builtin_shufflevector(all, all, 0, 4, 8, 12, 16, 20, 24, 28);
     else
-        return __builtin_convertvector(whole, uint8_vec<Lanes>);
+        return instructions::last_bytes<Lanes>(whole);
 }
 
 /// `with_nearest` of values clamped to the range relative to its zero; NaN becomes the lowest.
 template <std::size_t Lanes>
-[[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes> clamped_with_nearest(float_vec<Lanes> values,
-                                                                                  const byte_range& range) {
-    const float_vec<Lanes> least = range.least() - float_vec<Lanes>{},
-                           most = range.most() - float_vec<Lanes>{};
-    values = values > least ? values : least;
-    values = values < most ? values : most;
-    return with_nearest<Lanes>(values);
+[[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes>
+clamped_with_nearest(const float_vec<Lanes>& values, const byte_range& range) {
+    return with_nearest<Lanes>(instructions::clamp<Lanes>(values, range.least(), range.most()));
 }
 template <std::size_t Lanes>
 [[nodiscard]] [[gnu::always_inline]] inline int32_vec<Lanes>
 clamped_with_nearest(const int32_vec<Lanes>& sums, const float_vec<Lanes>& factors, const byte_range& range) {
-    return clamped_with_nearest<Lanes>(__builtin_convertvector(sums, float_vec<Lanes>) * factors, range);
+    return clamped_with_nearest<Lanes>(instructions::to_float<Lanes>(sums) * factors, range);
 }
 
 } // namespace detail
@@ -115,15 +111,15 @@ struct integer_epilogue {
     }
     template <std::size_t Lanes>
     [[nodiscard]] [[gnu::always_inline]] int32_vec<Lanes> start(std::size_t vector) const {
-        return load_bytes_as<int32_vec<Lanes>>(starts + vector * Lanes * sizeof(std::int32_t));
+        return load_bytes_as<int32_vec<Lanes>>(aligned<4>(starts) + vector * Lanes * sizeof(std::int32_t));
     }
     template <std::size_t Lanes>
     [[nodiscard]] [[gnu::always_inline]] float_vec<Lanes> factor(std::size_t vector) const {
-        return load_bytes_as<float_vec<Lanes>>(factors + vector * Lanes * sizeof(float));
+        return load_bytes_as<float_vec<Lanes>>(aligned<4>(factors) + vector * Lanes * sizeof(float));
     }
     template <std::size_t Lanes>
     [[nodiscard]] [[gnu::always_inline]] int32_vec<Lanes> added_weight(std::size_t vector) const {
-        return load_bytes_as<int32_vec<Lanes>>(added + vector * Lanes * sizeof(std::int32_t));
+        return load_bytes_as<int32_vec<Lanes>>(aligned<4>(added) + vector * Lanes * sizeof(std::int32_t));
     }
     /// The term of the other map, from its bytes.
     template <std::size_t Lanes>
@@ -138,7 +134,7 @@ struct integer_epilogue {
     unrounded(int32_vec<Lanes> sums, const float_vec<Lanes>& factors_of_sums) {
         if constexpr (Rectified)
             sums = sums > 0 ? sums : int32_vec<Lanes>{};
-        return __builtin_convertvector(sums, float_vec<Lanes>) * factors_of_sums;
+        return instructions::to_float<Lanes>(sums) * factors_of_sums;
     }
     /// Stores bytes, or sums without rounding as floats. The range of bytes includes the ReLU.
     template <std::size_t Lanes, bool Rectified, class Output>

@@ -8,6 +8,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 // The operations of activation functions: on a vector of floats of any width, on several vectors side by
 // side, or on one double. Most take one instruction.
@@ -100,34 +101,37 @@ concept float_vector = std::same_as<Vector, vector<float>>;
 
 namespace detail {
 
-[[nodiscard]] inline std::uint32_t to_bits(const vector<float>& x) {
-    return tactnet::detail::bits_as<std::uint32_t>(x.value);
+using bits_of_lanes = std::conditional_t<lanes<float> == 1, std::uint32_t, uint32_vec<lanes<float>>>;
+[[nodiscard]] inline bits_of_lanes to_bits(const vector<float>& x) {
+    return tactnet::detail::bits_as<bits_of_lanes>(x.data);
 }
 template <float_vector Vector>
-[[nodiscard]] inline Vector from_bits(std::uint32_t bits) {
-    return tactnet::detail::bits_as<float>(bits);
+[[nodiscard]] inline Vector from_bits(const bits_of_lanes& bits) {
+    return Vector(tactnet::detail::bits_as<typename Vector::register_type>(bits));
 }
+inline constexpr std::uint32_t sign_bit = 0x80000000U;
 
 } // namespace detail
 
-[[nodiscard]] inline vector<float> choose_lanes(bool condition, const vector<float>& yes,
+[[nodiscard]] inline vector<float> choose_lanes(const mask<float>& condition, const vector<float>& yes,
                                                 const vector<float>& no) {
-    return condition ? yes : no;
+    return choose<float>(condition, yes, no);
 }
 [[nodiscard]] inline vector<float> at_least(const vector<float>& limit, const vector<float>& x) {
-    return limit > x ? limit : x;
+    return maximum_or_second(limit, x);
 }
 [[nodiscard]] inline vector<float> at_most(const vector<float>& limit, const vector<float>& x) {
-    return limit < x ? limit : x;
+    return choose<float>(limit < x, limit, x);
 }
 [[nodiscard]] inline vector<float> magnitude(const vector<float>& x) {
-    return std::fabs(x.value);
+    return detail::from_bits<vector<float>>(detail::to_bits(x) & ~detail::sign_bit);
 }
 [[nodiscard]] inline vector<float> negative_magnitude(const vector<float>& x) {
-    return -std::fabs(x.value);
+    return detail::from_bits<vector<float>>(detail::to_bits(x) | detail::sign_bit);
 }
 [[nodiscard]] inline vector<float> with_sign_of(const vector<float>& x, const vector<float>& value) {
-    return std::copysign(value.value, x.value);
+    return detail::from_bits<vector<float>>((detail::to_bits(x) & detail::sign_bit) |
+                                            (detail::to_bits(value) & ~detail::sign_bit));
 }
 [[nodiscard]] inline vector<float> product_plus(const vector<float>& a, const vector<float>& b,
                                                 const vector<float>& c) {

@@ -101,42 +101,54 @@ template <class Vector>
 
 #else
 
-/// Loads a byte and converts it to a float.
 template <class Vector>
 [[nodiscard]] inline Vector load_floats(const std::uint8_t* from) {
-    return static_cast<float>(*from);
+    return each_lane<Vector>([&](std::size_t lane) { return static_cast<float>(from[lane]); });
 }
 template <class Vector>
 [[nodiscard]] inline Vector clamp(const Vector& a, const Vector& low, const Vector& high) {
-    return a > low ? (a < high ? a : high) : low;
+    const auto above = choose<float>(a > low, a, low);
+    return choose<float>(above < high, above, high);
 }
 template <class Vector>
 [[nodiscard]] inline Vector select_if_zero(const Vector& a, const Vector& yes, const Vector& no) {
-    return a == Vector(0) ? yes : no;
+    return choose<float>(a == Vector(0), yes, no);
 }
 template <class Vector>
 [[nodiscard]] inline bool all_finite(const Vector& a) {
-    return a - a == Vector(0);
+    return !any_of<float>(a - a != Vector(0));
 }
 template <class Vector>
 [[nodiscard]] inline Vector truncate(const Vector& a) {
-    return static_cast<float>(static_cast<std::int32_t>(a.value));
+    return each_lane<Vector>(
+        [&](std::size_t lane) { return static_cast<float>(static_cast<std::int32_t>(lane_of(a, lane))); });
 }
 template <class Vector>
 inline void store_int32(std::int32_t* to, const Vector& a) {
-    *to = static_cast<std::int32_t>(a.value);
+    for (std::size_t lane = 0; lane < Vector::size; ++lane)
+        to[lane] = static_cast<std::int32_t>(lane_of(a, lane));
 }
 template <class Vector>
 [[nodiscard]] inline std::array<Vector, 2> deinterleave(const Vector& a, const Vector& b) {
-    return {a, b};
+    constexpr std::size_t size = Vector::size;
+    const auto of = [&](std::size_t i) { return lane_of(i < size ? a : b, i % size); };
+    return {each_lane<Vector>([&](std::size_t lane) { return of(2 * lane); }),
+            each_lane<Vector>([&](std::size_t lane) { return of(2 * lane + 1); })};
 }
 template <class Vector>
 [[nodiscard]] inline std::array<Vector, 2> interleave(const Vector& a, const Vector& b) {
-    return {a, b};
+    const auto half = [&](std::size_t first) {
+        return each_lane<Vector>(
+            [&](std::size_t lane) { return lane_of((first + lane) % 2 == 0 ? a : b, (first + lane) / 2); });
+    };
+    return {half(0), half(Vector::size)};
 }
 template <class Vector>
 [[nodiscard]] inline std::array<Vector, 3> repeat_three(const Vector& a) {
-    return {a, a, a};
+    const auto third = [&](std::size_t first) {
+        return each_lane<Vector>([&](std::size_t lane) { return lane_of(a, (first + lane) / 3); });
+    };
+    return {third(0), third(Vector::size), third(2 * Vector::size)};
 }
 
 #endif

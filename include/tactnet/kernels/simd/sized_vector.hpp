@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <type_traits>
 
 // Vectors with a chosen number of lanes. The widest register is best only if there are enough elements to
 // fill it: eight filters fill a register of eight lanes and half of one of sixteen.
@@ -16,6 +17,9 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
 template <class T, std::size_t Lanes>
 using sized_vector = xsimd::make_sized_batch_t<T, Lanes>;
+/// A number that multiplies all lanes of a vector.
+template <class Vector>
+using broadcast = Vector;
 
 /// The narrowest vector of this instruction set: 16 bytes.
 template <class T>
@@ -34,12 +38,15 @@ template <class Vector>
 
 template <class T, std::size_t>
 using sized_vector = vector<T>;
+template <class Vector>
+using broadcast =
+    std::conditional_t<Vector::size == 1, Vector, typename Vector::value_type>; // from a general register
 template <class T>
-inline constexpr std::size_t min_lanes = 1;
+inline constexpr std::size_t min_lanes = lanes<T>;
 
 template <class Vector>
-[[nodiscard]] inline Vector maximum_or_second(const Vector& a, const Vector& b) {
-    return a > b ? a : b;
+[[nodiscard]] [[gnu::always_inline]] inline Vector maximum_or_second(const Vector& a, const Vector& b) {
+    return Vector(instructions::larger(a.data, b.data));
 }
 
 #endif

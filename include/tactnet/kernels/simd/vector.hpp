@@ -1,12 +1,14 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/simd/xsimd.hpp>
 
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <type_traits>
 
 // The vector operations of the kernels: on xsimd's widest batch for the target's instruction set, or on
 // scalars without SIMD. Kernels name no instruction set.
@@ -93,59 +95,120 @@ template <class T>
 
 #else
 
-/// A register of one lane, so that kernels are the same with and without SIMD.
+/// The elements of a register: one, or those of a vector that the instruction set has without xsimd.
+template <class T>
+inline constexpr std::size_t lanes = std::is_same_v<T, float> ? instructions::float_lanes : 1;
+
+/// Such a register, so that kernels are the same with and without SIMD.
 template <class T>
 struct vector {
     using value_type = T;
-    T value;
+    static constexpr std::size_t size = lanes<T>;
+    using register_type =
+        typename std::conditional_t<size == 1, std::type_identity<T>, detail::compiler_vector<T, size>>::type;
+    register_type data;
 
     vector() = default;
-    vector(T v) : value(v) {}
-    [[nodiscard]] static vector load_aligned(const T* from) { return *from; }
-    [[nodiscard]] static vector load_unaligned(const T* from) { return *from; }
-    void store_aligned(T* to) const { *to = value; }
-    void store_unaligned(T* to) const { *to = value; }
-    friend vector operator+(vector a, vector b) { return a.value + b.value; }
-    friend vector operator-(vector a, vector b) { return a.value - b.value; }
-    friend vector operator*(vector a, vector b) { return a.value * b.value; }
-    friend vector operator/(vector a, vector b) { return a.value / b.value; }
-    friend vector& operator+=(vector& a, vector b) { return a = a + b; }
-    friend bool operator>(vector a, vector b) { return a.value > b.value; }
-    friend bool operator<(vector a, vector b) { return a.value < b.value; }
-    friend bool operator==(vector a, vector b) { return a.value == b.value; }
-    friend bool operator!=(vector a, vector b) { return a.value != b.value; }
+    vector(T v) : data(v - register_type{}) {}
+    explicit vector(const register_type& v)
+        requires(size > 1)
+        : data(v) {}
+    [[nodiscard]] static vector load_aligned(const T* from) {
+        if constexpr (size == 1)
+            return *from;
+        else
+            return vector(*reinterpret_cast<const register_type*>(from));
+    }
+    [[nodiscard]] static vector load_unaligned(const T* from) {
+        return vector(load_bytes_as<register_type>(from));
+    }
+    void store_aligned(T* to) const {
+        if constexpr (size == 1)
+            *to = data;
+        else
+            *reinterpret_cast<register_type*>(to) = data;
+    }
+    void store_unaligned(T* to) const { store_any(to, data); }
+    friend vector operator+(const vector& a, const vector& b) { return vector(a.data + b.data); }
+    friend vector operator-(const vector& a, const vector& b) { return vector(a.data - b.data); }
+    friend vector operator*(const vector& a, const vector& b) { return vector(a.data * b.data); }
+    friend vector operator/(const vector& a, const vector& b) { return vector(a.data / b.data); }
+    friend vector& operator+=(vector& a, const vector& b) { return a = a + b; }
+    friend auto operator>(const vector& a, const vector& b) { return a.data > b.data; }
+    friend auto operator<(const vector& a, const vector& b) { return a.data < b.data; }
+    friend auto operator==(const vector& a, const vector& b) { return a.data == b.data; }
+    friend auto operator!=(const vector& a, const vector& b) { return a.data != b.data; }
 };
 template <class T>
-using mask = bool;
-template <class T>
-inline constexpr std::size_t lanes = 1;
+using mask = decltype(vector<T>{} > vector<T>{});
 
 template <class T>
-[[nodiscard]] inline vector<T> fused_multiply_add(const vector<T>& a, const vector<T>& b,
-                                                  const vector<T>& c) {
-    return fused_multiply_add(a.value, b.value, c.value);
+[[nodiscard]] [[gnu::always_inline]] inline vector<T>
+fused_multiply_add(const vector<T>& a, const vector<T>& b, const vector<T>& c) {
+    if constexpr (lanes<T> == 1)
+        return fused_multiply_add(a.data, b.data, c.data);
+    else
+        return vector<T>(instructions::multiply_add(a.data, b.data, c.data));
+}
+/// b is the same for all lanes.
+template <class T>
+    requires(lanes<T> > 1)
+[[nodiscard]] [[gnu::always_inline]] inline vector<T> fused_multiply_add(const vector<T>& a, T b,
+                                                                         const vector<T>& c) {
+    return vector<T>(instructions::multiply_add(a.data, b, c.data));
+}
+/// One lane of a vector, and a vector of element(lane) in each: for what is rarely computed.
+template <class Vector>
+[[nodiscard]] inline auto lane_of(const Vector& values, std::size_t lane) {
+    if constexpr (Vector::size == 1)
+        return values.data;
+    else
+        return values.data[lane];
+}
+template <class Vector, class Element>
+[[nodiscard]] inline Vector each_lane(const Element& element) {
+    if constexpr (Vector::size == 1) {
+        return element(0);
+    } else {
+        Vector values;
+        for (std::size_t lane = 0; lane < Vector::size; ++lane)
+            values.data[lane] = element(lane);
+        return values;
+    }
 }
 template <class T>
 [[nodiscard]] inline vector<T> square_root(const vector<T>& a) {
-    return std::sqrt(a.value);
+    return each_lane<vector<T>>([&](std::size_t lane) { return std::sqrt(lane_of(a, lane)); });
 }
 template <class T>
-[[nodiscard]] inline vector<T> choose(bool condition, const vector<T>& yes, const vector<T>& no) {
-    return condition ? yes : no;
+[[nodiscard]] inline vector<T> choose(const mask<T>& condition, const vector<T>& yes, const vector<T>& no) {
+    return vector<T>(condition ? yes.data : no.data);
 }
 template <class T>
-[[nodiscard]] inline bool any_of(bool condition) {
-    return condition;
+[[nodiscard]] inline bool any_of(const mask<T>& condition) {
+    if constexpr (lanes<T> == 1) {
+        return condition;
+    } else {
+        bool any = false;
+        for (std::size_t lane = 0; lane < lanes<T>; ++lane)
+            any = any || condition[lane];
+        return any;
+    }
 }
 [[nodiscard]] inline vector<double> widen(const float* from) {
     return static_cast<double>(*from);
 }
 inline void narrow(float* to, const vector<double>& values) {
-    *to = static_cast<float>(values.value);
+    *to = static_cast<float>(values.data);
 }
 template <class T>
-[[nodiscard]] inline vector<T> sums_across_lanes(const std::array<vector<T>, 1>& rows) {
-    return rows[0];
+[[nodiscard]] inline vector<T> sums_across_lanes(const std::array<vector<T>, lanes<T>>& rows) {
+    return each_lane<vector<T>>([&](std::size_t row) {
+        T sum = lane_of(rows[row], 0);
+        for (std::size_t lane = 1; lane < lanes<T>; ++lane)
+            sum += lane_of(rows[row], lane);
+        return sum;
+    });
 }
 
 #endif
@@ -192,10 +255,10 @@ template <class T>
 #if defined(__AVX512F__) || defined(__aarch64__)
 inline constexpr std::size_t vector_registers = 32;
 #else
-inline constexpr std::size_t vector_registers = 16;
+inline constexpr std::size_t vector_registers = instructions::vector_registers;
 #endif
 /// The accumulators of a register block: as many as leave room for inputs and weights, since a block also has
 /// a fixed cost.
-inline constexpr std::size_t max_block_sums = vector_registers >= 32 ? 24 : 12;
+inline constexpr std::size_t max_block_sums = vector_registers * 3 / 4;
 
 }}} // namespace tactnet::kernels

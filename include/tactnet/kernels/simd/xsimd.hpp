@@ -33,6 +33,14 @@ namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 /// a · b + c, rounded once if the instruction set can, at any optimisation level.
 template <std::floating_point T>
 [[nodiscard]] inline T fused_multiply_add(const T& a, const T& b, const T& c) {
+#if defined(__arm__) && defined(__ARM_FEATURE_FMA) && defined(__clang__)
+    // Of std::fma, which may set errno, Clang makes a call.
+    if constexpr (sizeof(T) == sizeof(float)) {
+        T sum = c;
+        asm("vfma.f32 %0, %1, %2" : "+t"(sum) : "t"(a), "t"(b));
+        return sum;
+    }
+#endif
 #if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
     return std::fma(a, b, c);
 #else

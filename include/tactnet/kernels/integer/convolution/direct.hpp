@@ -24,19 +24,16 @@ struct row_range {
     std::size_t first, last;
 };
 
-/// Computes one register block: `Rows` × `Columns` neighbouring outputs before pooling × `Vectors` vectors of
-/// filters. `Output` is a byte, or a float for sum × factor without rounding.
+/// The first terms of the sums of a register block.
 template <class Layout, std::size_t Vectors, std::size_t Rows, std::size_t Columns, class Output,
           frame_convolution C = Layout::convolution>
-[[gnu::flatten, gnu::noinline]] void
-convolve_integer_block(const typename Layout::staged* input, const typename Layout::weight* weights,
-                       const integer_epilogue& epilogue, Output* output, row_range multiplied) {
+[[gnu::always_inline]] inline void
+start_integer_sums(register_block<int32_vec<Layout::width>, Rows * Columns, Vectors>& sums,
+                   const integer_epilogue& epilogue, const Output* output) {
     constexpr std::size_t width = Layout::width;
-    using sum = int32_vec<width>;
-    register_block<sum, Rows * Columns, Vectors> sums;
 #pragma GCC unroll 64
     for (std::size_t v = 0; v < Vectors; ++v) {
-        const sum start = epilogue.start<width>(v);
+        const int32_vec<width> start = epilogue.start<width>(v);
 #pragma GCC unroll 64
         for (std::size_t p = 0; p < Rows * Columns; ++p) {
             sums[p][v] = start;
@@ -46,7 +43,15 @@ convolve_integer_block(const typename Layout::staged* input, const typename Layo
                     v);
         }
     }
+}
 
+/// Adds the products of all taps to the sums of a register block.
+template <class Layout, std::size_t Vectors, std::size_t Rows, std::size_t Columns,
+          frame_convolution C = Layout::convolution>
+[[gnu::always_inline]] inline void
+add_integer_products(register_block<int32_vec<Layout::width>, Rows * Columns, Vectors>& sums,
+                     const typename Layout::staged* input, const typename Layout::weight* weights,
+                     row_range multiplied) {
     constexpr std::size_t step = C.window.stride.columns;
     constexpr std::size_t footprint_rows = (Rows - 1) * C.window.stride.rows + C.window.kernel.rows;
     constexpr std::size_t under_columns =
@@ -60,7 +65,7 @@ convolve_integer_block(const typename Layout::staged* input, const typename Layo
             typename Layout::products::inputs x[under_columns];
 #pragma GCC unroll 64
             for (std::size_t c = 0; c < under_columns; ++c)
-                x[c] = Layout::products::broadcast(input + r * Layout::pitch + c * Layout::stride);
+                x[c] = Layout::load(input + r * Layout::pitch + c * Layout::stride);
 #pragma GCC unroll 64
             for (std::size_t y = 0; y < Rows; ++y) {
                 const std::size_t above = y * C.window.stride.rows;
@@ -83,29 +88,89 @@ convolve_integer_block(const typename Layout::staged* input, const typename Layo
         input += Layout::group;
         weights += C.window.kernel.rows * Layout::groups_of_row * Vectors * Layout::weights_of_group;
     }
+}
 
+/// The largest sum of a pool's window, the `o`-th of a register block.
+template <frame_convolution C, std::size_t Rows, std::size_t Columns, class Sums>
+[[nodiscard]] [[gnu::always_inline]] inline auto largest_sum(const Sums& sums, std::size_t v, std::size_t o) {
+    constexpr std::size_t pooled_columns = ceil_div(Columns, C.pool.columns);
+    const std::size_t top = o / pooled_columns * C.pool.rows, left = o % pooled_columns * C.pool.columns;
+    const std::size_t high = std::min(C.pool.rows, Rows - top),
+                      across = std::min(C.pool.columns, Columns - left);
+    auto largest = sums[top * Columns + left][v];
+#pragma GCC unroll 64
+    for (std::size_t i = 1; i < high * across; ++i) {
+        const auto& other = sums[(top + i / across) * Columns + left + i % across][v];
+        largest = other > largest ? other : largest;
+    }
+    return largest;
+}
+
+/// Computes one register block: `Rows` × `Columns` neighbouring outputs before pooling × `Vectors` vectors of
+/// filters. `Output` is a byte, or a float for sum × factor without rounding.
+template <class Layout, std::size_t Vectors, std::size_t Rows, std::size_t Columns, class Output,
+          frame_convolution C = Layout::convolution>
+[[gnu::flatten, gnu::noinline]] void
+convolve_integer_block(const typename Layout::staged* input, const typename Layout::weight* weights,
+                       const integer_epilogue& epilogue, Output* output, row_range multiplied) {
+    constexpr std::size_t width = Layout::width;
+    register_block<int32_vec<width>, Rows * Columns, Vectors> sums;
+    start_integer_sums<Layout, Vectors, Rows, Columns>(sums, epilogue, output);
+    add_integer_products<Layout, Vectors, Rows, Columns>(sums, input, weights, multiplied);
     constexpr std::size_t pooled_columns = ceil_div(Columns, C.pool.columns),
                           pooled = ceil_div(Rows, C.pool.rows) * pooled_columns;
 #pragma GCC unroll 64
     for (std::size_t v = 0; v < Vectors; ++v) {
         const float_vec<width> factors = epilogue.factor<width>(v);
 #pragma GCC unroll 64
-        for (std::size_t o = 0; o < pooled; ++o) {
-            const std::size_t top = o / pooled_columns * C.pool.rows,
-                              left = o % pooled_columns * C.pool.columns;
-            const std::size_t high = std::min(C.pool.rows, Rows - top),
-                              across = std::min(C.pool.columns, Columns - left);
-            sum largest = sums[top * Columns + left][v];
-#pragma GCC unroll 64
-            for (std::size_t i = 1; i < high * across; ++i) {
-                const sum& other = sums[(top + i / across) * Columns + left + i % across][v];
-                largest = other > largest ? other : largest;
-            }
+        for (std::size_t o = 0; o < pooled; ++o)
             epilogue.store<width, C.rectifies()>(
                 output + (o / pooled_columns * C.output_columns() + o % pooled_columns) * C.output_stride() +
                     v * width,
-                largest, factors);
+                largest_sum<C, Rows, Columns>(sums, v, o), factors);
+    }
+}
+
+/// Computes the same for all filters, one register block after the other, where blocks are so small that a
+/// call for each would take a large part of the time. Sums of as many filters as one instruction rounds are
+/// rounded together.
+template <class Layout, std::size_t Rows, std::size_t Columns, class Output,
+          frame_convolution C = Layout::convolution>
+[[gnu::flatten, gnu::noinline]] void
+convolve_integer_filters(const typename Layout::staged* input, const typename Layout::weight* weights,
+                         const integer_epilogue& of_all, Output* output) {
+    static_assert(Layout::width == 1);
+    constexpr std::size_t vectors = Layout::block_vectors,
+                          together = std::max(instructions::rounded_lanes, vectors);
+    constexpr std::size_t pooled_columns = ceil_div(Columns, C.pool.columns),
+                          pooled = ceil_div(Rows, C.pool.rows) * pooled_columns;
+    static_assert(Layout::vectors % together == 0 && together % vectors == 0);
+    const integer_epilogue epilogue = of_all; // stores of bytes cannot change a copy
+    for (std::size_t first = 0; first < Layout::vectors; first += together) {
+        std::array<std::array<std::int32_t, together>, pooled> results;
+        for (std::size_t f = 0; f < together; f += vectors) {
+            register_block<int32_vec<1>, Rows * Columns, vectors> sums;
+            start_integer_sums<Layout, vectors, Rows, Columns>(sums, epilogue.from(first + f),
+                                                               output + first + f);
+            add_integer_products<Layout, vectors, Rows, Columns>(sums, input, weights, {});
+            weights += vectors * (Layout::weights / Layout::vectors);
+#pragma GCC unroll 64
+            for (std::size_t v = 0; v < vectors; ++v)
+#pragma GCC unroll 64
+                for (std::size_t o = 0; o < pooled; ++o)
+                    results[o][f + v] = largest_sum<C, Rows, Columns>(sums, v, o)[0];
         }
+        constexpr std::size_t lanes = instructions::rounded_lanes;
+#pragma GCC unroll 64
+        for (std::size_t o = 0; o < pooled; ++o)
+#pragma GCC unroll 64
+            for (std::size_t f = 0; f < together; f += lanes)
+                epilogue.store<lanes, C.rectifies()>(
+                    output +
+                        (o / pooled_columns * C.output_columns() + o % pooled_columns) * C.output_stride() +
+                        first + f,
+                    load_bytes_as<int32_vec<lanes>>(&results[o][f]),
+                    epilogue.factor<lanes>((first + f) / lanes));
     }
 }
 
@@ -144,6 +209,26 @@ struct direct_integer_method {
             staged = copy;
         }
         const auto* const weights = reinterpret_cast<const typename layout::weight*>(packed);
+        if constexpr (layout::few_registers)
+            blocked<C.rows(), layout::block_rows>([&](auto rows, std::size_t y) {
+                blocked<C.columns(), layout::block_columns>([&](auto columns, std::size_t x) {
+                    detail::convolve_integer_filters<layout, rows, columns>(
+                        staged + y * C.window.stride.rows * layout::pitch +
+                            x * C.window.stride.columns * layout::stride,
+                        weights, epilogue,
+                        output +
+                            (y / C.pool.rows * C.output_columns() + x / C.pool.columns) * C.output_stride());
+                });
+            });
+        else
+            run_blocks(staged, weights, epilogue, output);
+    }
+
+private:
+    /// A few vectors of filters after the other.
+    template <class Output>
+    static void run_blocks(const typename layout::staged* staged, const typename layout::weight* weights,
+                           const integer_epilogue& epilogue, Output* output) {
         const bool padding_counts = offset != 0 || epilogue.padding != 0; // else its taps can be left out
         blocked<layout::vectors, layout::block_vectors>([&](auto vectors, std::size_t first_vector) {
             const std::size_t first = first_vector * layout::width;

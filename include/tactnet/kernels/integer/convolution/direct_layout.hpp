@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <type_traits>
 
 // How the direct method lays out inputs and weights. The input is staged: copied with its padding around it,
@@ -36,7 +37,9 @@ struct direct_integer_layout {
     static constexpr bool few_registers = requires { products::max_sums; };
     static constexpr std::size_t block_vectors = [] {
         if constexpr (few_registers)
-            return C.pool.area() > 1 ? 1 : std::min<std::size_t>(vectors, 2);
+            return C.pool.area() > 1
+                       ? std::size_t{1}
+                       : std::gcd(vectors, products::max_sums / std::min<std::size_t>(C.columns(), 2));
         else if constexpr (C.rows() * C.columns() == 1) // enough sums that products need not wait for another
             return ceil_div(vectors, ceil_div(vectors, max_block_sums));
         else
@@ -77,6 +80,13 @@ struct direct_integer_layout {
     static constexpr std::size_t weights =
         vectors * groups_of_pixel * C.window.kernel.rows * groups_of_row * weights_of_group;
 
+    /// A group of staged inputs.
+    [[nodiscard]] [[gnu::always_inline]] static typename products::inputs load(const staged* from) {
+        if constexpr (few_registers) // which load general registers
+            from = aligned<sizeof(staged) * std::gcd(stride, group)>(from);
+        return products::broadcast(from);
+    }
+
     /// Packs weights in the order of use: blocks of vectors of filters, then [group of the pixel][kernel
     /// row][group of the row][vector][filter][input of the group], with zeros where there is no filter or no
     /// tap. `weight(filter, channel, row, column)`.
@@ -99,10 +109,10 @@ struct direct_integer_layout {
                     for (std::size_t in_row = 0; in_row < groups_of_row; ++in_row)
                         for (std::size_t filter = first * width; filter < last * width; ++filter)
                             for (std::size_t element = 0; element < group; ++element) {
-                                const auto bytes =
-                                    tactnet::detail::bits_as<std::array<std::int8_t, sizeof(weight)>>(
-                                        weight{of_tap(filter, in_pixel, row, in_row, element)});
-                                packed = std::copy(bytes.begin(), bytes.end(), packed);
+                                const auto value = of_tap(filter, in_pixel, row, in_row, element);
+                                *packed++ = value;
+                                for (std::size_t byte = 1; byte < sizeof(weight); ++byte)
+                                    *packed++ = value < 0 ? std::int8_t{-1} : std::int8_t{0};
                             }
         }
     }
