@@ -72,7 +72,7 @@ FOLDERS = "operators/folders.hpp"
 # Folders that only these and they themselves include: a simulation of your own objects does not pay for the paper's 22 classes.
 CLOSED = {"simulation/paper": "simulation.hpp"}
 # What only kernels/ may know.
-KERNEL_HEADERS = r"xsimd/|(immintrin|x86intrin|arm_acle|arm_neon|arm_sve|wasm_simd128)\.h$"
+KERNEL_HEADERS = r"xsimd/|(immintrin|x86intrin|arm_acle|arm_mve|arm_neon|arm_sve|wasm_simd128)\.h$"
 # What may include Eigen, apart from the room eigen: programs that include none of it need no Eigen.
 EIGEN_USERS = "simulation/effects/circuit/resistive_network.hpp"
 # What the standard library leaves to the system: files that are safe on disk, an interrupt from the keyboard.
