@@ -40,14 +40,14 @@ struct force_statistics {
 /// of objects like that of the training. A robot that touches one object all day must not compensate a gain.
 class gain_monitor {
 public:
-    /// `memory` is the number of touches over which the estimate forgets, from 1 to 10⁹. `gain_deviation` is
-    /// the deviation of the logarithm of gains that are expected, from 10⁻⁶ to 10³: the estimate shrinks
-    /// towards 1 by it while few touches are known. Both are clamped; NaN counts as the smallest. With
-    /// statistics of nothing, or that no forces have, the gain remains 1.
+    /// `memory` is the number of touches over which the estimate forgets, from 1; an infinite one forgets
+    /// nothing. `gain_deviation` is the deviation of the logarithm of gains that are expected, from 10⁻⁶ to
+    /// 10³: the estimate shrinks towards 1 by it while few touches are known. Both are clamped; NaN counts as
+    /// the smallest. With statistics of nothing, or that no forces have, the gain remains 1.
     explicit gain_monitor(const force_statistics& trained, double memory = 50,
                           double gain_deviation = 0.3) noexcept
         : trained_(trained),
-          memory_(memory > 1 ? std::min(memory, 1e9) : 1.0),
+          memory_(memory > 1 ? memory : 1.0),
           gain_deviation_(gain_deviation > 1e-6 ? std::min(gain_deviation, 1e3) : 1e-6) {}
 
     /// Takes the force of a touch, of its strongest frame (contact_state::force). Ignores what is no positive
