@@ -56,6 +56,15 @@ void surplus_tensors(scene& s) {
     must_be_refused(s, std::to_string(count) + " surplus tensors", " of another network");
 }
 
+void long_texts(scene& s) {
+    s.bring("net");
+    const std::array keys{"network"s, "classes"s, "input"s, "temperature"s, "epsilon"s, "rows"s, "version"s};
+    const std::string key = s.one_of(keys),
+                      text(201 + s.below(1'000'000), s.one_of(std::array{'x', '9', '[', '"', '\x1B'}));
+    rewrite(s.folder / "net", [&](tactnet::safetensors_writer& to) { to.metadata[key] = text; });
+    must_be_refused(s, key + " of " + std::to_string(text.size()) + " bytes", "metadata '" + key + "'");
+}
+
 void stored_temperature(scene& s) {
     s.bring("net");
     const std::array refused{"1e-320"s, "0"s,    "-1"s, "nan"s, "inf"s,   "1e300"s,
@@ -157,8 +166,8 @@ void foreign_results(scene& s) {
 } // namespace
 
 void say_hostile_things(scene& s, std::size_t number) {
-    constexpr std::array kinds{surplus_tensors, stored_temperature, names_of_classes,
-                               list_of_names,   missing_folders,    foreign_results};
+    constexpr std::array kinds{surplus_tensors, stored_temperature, names_of_classes, list_of_names,
+                               missing_folders, foreign_results,    long_texts};
     kinds[number % kinds.size()](s);
 }
 

@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -98,6 +99,11 @@ TEST_CASE("model_description: a name is short, of other programs too") {
     CHECK_THROWS_WITH_AS(static_cast<void>(describe_model(file_of({{"network", std::string(201, 'n')}}))),
                          doctest::Contains("metadata 'network': expected a name of at most 200 bytes"),
                          file_error);
+    file_metadata metadata{{"network", std::string(201, 'n')}};
+    CHECK_THROWS_WITH_AS(add_description(metadata, least()),
+                         "network: expected a name of at most 200 bytes, found 201", std::invalid_argument);
+    metadata["network"].pop_back();
+    CHECK_NOTHROW(add_description(metadata, least()));
 }
 
 TEST_CASE("model_description: a file without metadata") {

@@ -21,6 +21,13 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
+namespace detail {
+
+inline constexpr std::size_t longest_name = 200; ///< of a network, for it is shown in messages
+inline constexpr const char* short_name = "a name of at most 200 bytes";
+
+} // namespace detail
+
 /// What a weight file states about itself. What it does not state is empty.
 struct model_description {
     std::string network;
@@ -89,7 +96,7 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
     const bool ours = text("format") == "tactnet";
     require(!ours || text("version") == "1", "version", "format version 1");
     d.network = text("network");
-    require(d.network.size() <= 200, "network", "a name of at most 200 bytes");
+    require(d.network.size() <= detail::longest_name, "network", detail::short_name);
     d.rows = detail::number_in<std::size_t>(file, "rows", "a number of rows", ours);
     d.columns = detail::number_in<std::size_t>(file, "columns", "a number of columns", ours);
     d.epsilon = detail::number_in<double>(file, "epsilon", "a positive number", ours);

@@ -65,8 +65,13 @@ namespace detail {
 } // namespace detail
 
 /// Adds a description to the metadata of a file, in version 1 of the format. It must state size, classes and
-/// whether a mean is subtracted; the caller adds the name of the network under "network".
+/// whether a mean is subtracted; the caller adds the name of the network under "network". Throws
+/// std::invalid_argument for a name that could not be read again.
 [[gnu::cold]] inline void add_description(file_metadata& metadata, const model_description& d) {
+    if (const auto name = metadata.find("network");
+        name != metadata.end() && name->second.size() > detail::longest_name)
+        detail::throw_invalid_argument(
+            {"network: expected ", detail::short_name, ", found ", name->second.size()});
     metadata["format"] = "tactnet";
     metadata["version"] = "1";
     metadata["rows"] = std::to_string(d.rows.value());
