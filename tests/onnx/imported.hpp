@@ -7,8 +7,10 @@
 #include <tactnet/deployment/export/onnx_model.hpp>
 #include <tactnet/io/deployed_file.hpp>
 #include <tactnet/io/model_file.hpp>
+#include <tactnet/io/svm_file.hpp>
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
+#include <tactnet/svm.hpp>
 #include <tactnet/training.hpp>
 
 #include <doctest/doctest.h>
@@ -20,6 +22,7 @@
 #include <string>
 #include <support/layers/deployed_reference.hpp>
 #include <support/layers/reference_of.hpp>
+#include <type_traits>
 #include <vector>
 
 namespace imported {
@@ -79,6 +82,25 @@ errors compare(const std::string& folder, const std::string& name) {
         worst.runtime.add(support::shares_of(std::span(runtime).subspan(i * outputs, outputs), twice));
     }
     return worst;
+}
+
+/// Rows that a kernel machine gives another label than the runtime does.
+template <class Machine>
+std::size_t wrong_labels(const std::string& folder, const std::string& name) {
+    const auto file = tactnet::safetensors::read(folder + "/" + name + ".safetensors");
+    const Machine machine = [&]<class Kernel, std::size_t Features>(
+                                std::type_identity<tactnet::kernel_machine<Kernel, Features>>) {
+        return tactnet::load_kernel_machine<Kernel, Features>(file);
+    }(std::type_identity<Machine>{});
+    const auto rows = file.values<float>("selftest.input");
+    const auto labels = file.values<std::int64_t>("selftest.labels");
+    tactnet::thread_pool alone;
+    const std::vector<std::size_t> found = machine.predict({rows, machine.features()}, alone);
+    REQUIRE(found.size() == labels.size());
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < labels.size(); ++i)
+        wrong += found[i] != static_cast<std::size_t>(labels[i]) ? 1 : 0;
+    return wrong;
 }
 
 } // namespace imported

@@ -5,6 +5,7 @@ import math
 import numpy
 
 from builder import Builder
+from onnx import numpy_helper
 
 MODELS = {}
 
@@ -397,3 +398,48 @@ def linear_logistic():
 def linear_regressor():
     b = Builder(1, 12, ai_onnx_ml=1)
     return b.model(b("LinearRegressor", "x", domain="ai.onnx.ml", coefficients=list(b.draw(24)), intercepts=list(b.draw(2)), targets=2))
+
+
+def quantised():
+    """A model of 8 bits as onnxruntime's quantiser writes it (QDQ), without the ReLU that a zero point stands for. Also the scales of its
+    maps: of the input, and after each layer."""
+    b, scales = Builder(1, 1, 6, 5), [1.0, 2.0, 16.0]
+    byte = lambda value, kind: numpy_helper.from_array(numpy.asarray(value, kind), f"q{len(b.constants)}")  # noqa: E731
+
+    def stored(value, kind):
+        b.constants.append(byte(value, kind))
+        return b.constants[-1].name
+
+    def rounded(x, scale, zero):
+        args = [b.constant(scale), stored(zero, numpy.uint8)]
+        return b("DequantizeLinear", b("QuantizeLinear", x, *args), *args)
+
+    def weights(*shape):
+        scale = b.constant(b.draw(shape[0], low=0.001, high=0.004))
+        return b("DequantizeLinear", stored(b.random.integers(-127, 128, shape), numpy.int8), scale, stored(numpy.zeros(shape[0]), numpy.int8), axis=0)
+
+    x = rounded(b("Conv", rounded("x", scales[0], 0), weights(4, 1, 3, 3), b.draw(4)), scales[1], 0)
+    x = rounded(b("Gemm", b("Flatten", x), weights(3, 48), b.draw(3), transB=1), scales[2], 128)
+    return b.model(x), scales
+
+
+# Kernel machines, whose label is compared.
+MACHINES = {}
+
+
+def machine(kernel, scaled, classes=3, features=7):
+    b = Builder(1, features, ai_onnx_ml=1)
+    counts = list(range(4, 4 + classes))
+    total, pairs = sum(counts), classes * (classes - 1) // 2
+    x = b("Scaler", "x", domain="ai.onnx.ml", offset=list(b.draw(features, low=90, high=160)), scale=[1 / 64] * features) if scaled else "x"
+    size = 1.0 if scaled else 255.0
+    b("SVMClassifier", x, domain="ai.onnx.ml", outputs=2, kernel_type=kernel, kernel_params=[0.15 if scaled else 2.0 / size ** 2, 0.0, 3.0],
+      support_vectors=list(b.draw(total * features, low=-size if scaled else 0, high=size)), vectors_per_class=counts,
+      coefficients=list(b.draw((classes - 1) * total)), rho=list(b.draw(pairs, low=-0.05, high=0.05)), classlabels_ints=list(range(classes)))
+    b.nodes[-1].output[0] = "label"
+    return b.model("label")
+
+
+MACHINES["machine_rbf"] = machine("RBF", True)
+MACHINES["machine_rbf_plain"] = machine("RBF", False, classes=5)
+MACHINES["machine_linear"] = machine("LINEAR", True, classes=2)

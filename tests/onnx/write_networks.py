@@ -42,15 +42,25 @@ def main():
             "input": frames, "outputs": numpy.array(rows, numpy.float32)}, {}))
         stream = "deploy_stream" in write.header(network)
         texts[place % units].append((name, f"imported::compare<{network.name}::net, {str(stream).lower()}>"))
+    for place, (name, data) in enumerate(operator_models.MACHINES.items()):
+        imported = tactnet.onnx.read(data, name)
+        if oracle is not None:  # its labels in the file, in place of those of the importer
+            rows = oracle.outputs(data, imported.frames[:, None], "label")
+            imported.parts["selftest.labels"] = numpy.concatenate(rows).astype(numpy.int64)
+        imported.save(folder)
+        texts[place % units].append((name, f"imported::wrong_labels<{name}::machine>"))
     for number, cases in enumerate(texts):
         lines = ['#include "imported.hpp"\n', *(f'#include "{name}.hpp"\n' for name, _ in cases)]
         for name, call in cases:
+            if name.startswith("machine_"):
+                lines.append(f'\nTEST_CASE("onnx: {name}") {{\n    CHECK({call}("{folder.as_posix()}", "{name}") == 0);\n}}\n')
+                continue
             lines.append(f'\nTEST_CASE("onnx: {name}") {{\n    const auto found = {call}("{folder.as_posix()}", "{name}");\n'
                          "    CHECK(found.network);\n    CHECK(found.runtime);\n}\n")
         path, text = folder / f"networks_{number}.cpp", "".join(lines)
         if not path.exists() or path.read_text() != text:
             path.write_text(text)
-    print(f"{len(models)} models, expected outputs {'of the runtime' if oracle else 'computed node by node'}")
+    print(f"{len(models) + len(operator_models.MACHINES)} models, expected outputs {'of the runtime' if oracle else 'computed node by node'}")
 
 
 main()

@@ -14,10 +14,11 @@ from . import operators
 from .fold import Folded
 from .graph import CannotImport, Graph
 from .layers import all_layers, named_arrays, run_all
+from .machines import Machine
 from .walk import walk
 from . import write
 
-__all__ = ["CannotImport", "Network", "read"]
+__all__ = ["CannotImport", "Machine", "Network", "read"]
 
 
 class Network:
@@ -34,6 +35,8 @@ class Network:
         end = self.output
         folded = Folded(layers, self.input, fold, scale, mean)
         self.layers, self.notes, self.epsilon, self.scale = folded.layers, list(dict.fromkeys(folded.notes)), folded.epsilon, folded.scale
+        if self.operators["QuantizeLinear"]:
+            self.notes.append(f"nothing: {self.operators['QuantizeLinear']} maps are not rounded to 8 bits; deploy<eight_bit> does that")
         if walked.repeated > 0:
             self.notes.append(f"nothing: {walked.repeated} nodes are computed once more, since branches share them")
         if not self.layers:
@@ -119,7 +122,7 @@ class Network:
 
 
 def read(path, name=None, **options):
-    """Reads an ONNX file, or its bytes. Options are those of Network."""
+    """The Network of an ONNX file, or of its bytes; the Machine of one with an SVMClassifier. Options are those of Network."""
     try:
         model = onnx.load_model_from_string(path) if isinstance(path, bytes) else onnx.load(path, load_external_data=False)
     except Exception as error:  # the parser's own types differ between versions
@@ -127,7 +130,12 @@ def read(path, name=None, **options):
             raise
         raise CannotImport("it is no ONNX file") from None
     source = "bytes" if isinstance(path, bytes) else os.path.basename(path)
+    kind = Machine if any(node.op_type == "SVMClassifier" for node in model.graph.node) else Network
     try:
-        return Network(model, source, name or os.path.splitext(source)[0], **options)
+        return kind(model, source, name or os.path.splitext(source)[0], **options)
+    except CannotImport:
+        raise
+    except (TypeError, ValueError, IndexError, KeyError, OverflowError) as error:  # a damaged file may state anything
+        raise CannotImport(f"its parts do not fit each other: {type(error).__name__}: {error}"[:200]) from None
     except (RecursionError, MemoryError) as error:
         raise CannotImport(f"it is too large: {type(error).__name__}") from None

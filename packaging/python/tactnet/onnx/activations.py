@@ -11,7 +11,7 @@ from .layers import Layer
 ELEMENTWISE = {
     "Relu", "LeakyRelu", "PRelu", "Elu", "Selu", "Sigmoid", "HardSigmoid", "HardSwish", "Tanh", "Softplus", "Softsign", "Clip",
     "Erf", "Exp", "Log", "Sqrt", "Pow", "Abs", "Neg", "Reciprocal", "Add", "Sub", "Mul", "Div", "Min", "Max", "Gelu", "Celu",
-    "Identity", "Cast", "Dropout", "Mish", "ThresholdedRelu", "Sum",
+    "QuantizeLinear", "DequantizeLinear", "Identity", "Cast", "Dropout", "Mish", "ThresholdedRelu", "Sum",
 }
 
 
@@ -25,9 +25,9 @@ def gelu(x):
 
 # By the text of the layer: its name in weight files does not matter, since it has no arrays.
 KNOWN = {
-    "relu": (lambda x: numpy.maximum(x, 0), 1), "relu6": (lambda x: numpy.clip(x, 0, 6), 1), "sigmoid": (sigmoid, 0.25),
-    "hyperbolic_tangent": (numpy.tanh, 1), "silu": (lambda x: x * sigmoid(x), 1.1), "gelu": (gelu, 1.13),
-    "hard_sigmoid": (hard_sigmoid, 0.17), "hard_swish": (lambda x: x * hard_sigmoid(x), 1.5), "softplus": (softplus, 1),
+    "relu": lambda x: numpy.maximum(x, 0), "relu6": lambda x: numpy.clip(x, 0, 6), "sigmoid": sigmoid, "hyperbolic_tangent": numpy.tanh,
+    "silu": lambda x: x * sigmoid(x), "gelu": gelu, "hard_sigmoid": hard_sigmoid, "hard_swish": lambda x: x * hard_sigmoid(x),
+    "softplus": softplus,
 }
 GRID = numpy.concatenate([numpy.linspace(-30, 30, 3001), [-1000, -1e-3, 1e-3, 1000]])
 KNOWN_VALUES = {}
@@ -50,10 +50,10 @@ def recognise(function):
         return square_root(function)
     if same(found, GRID):
         return None  # no function at all: its nodes are left out one by one
-    for text, (known, slope) in KNOWN.items():
+    for text, known in KNOWN.items():
         expected = KNOWN_VALUES.setdefault(text, known(GRID))
         if same(found, expected):
-            return elementwise(text, known, slope)
+            return elementwise(text, known)
     one, below = found[GRID == 1e-3][0] * 1000, float(-found[0])
     if same(found, numpy.where(GRID > 0, GRID, -found[3001] / 1000 * GRID)) or abs(one - 1) < 1e-5 and same(
             found[GRID < 0], -found[3001] / 1000 * GRID[GRID < 0]):
@@ -61,25 +61,25 @@ def recognise(function):
         if abs(round(1000 * share) - 1000 * share) < 1e-4 and 0 < round(1000 * share) < 1000:
             share = round(1000 * share) / 1000
             text = "leaky_relu<>" if share == 0.01 else f"leaky_relu<{round(1000 * share)}>"
-            return elementwise(text, lambda x: numpy.where(x > 0, x, share * x), 1)
+            return elementwise(text, lambda x: numpy.where(x > 0, x, share * x))
         return lambda here: slopes(here, numpy.full(here.shape[2], share))
     if below > 0 and same(found, numpy.where(GRID > 0, GRID, below * numpy.expm1(numpy.minimum(GRID, 0)))):
         thousandths = round(1000 * below)
         if 0 < thousandths < 1000000 and abs(thousandths - 1000 * below) < 1e-3:
             text = "elu<>" if thousandths == 1000 else f"elu<{thousandths}>"
             alpha = thousandths / 1000
-            return elementwise(text, lambda x: numpy.where(x > 0, x, alpha * numpy.expm1(numpy.minimum(x, 0))), max(1, alpha))
+            return elementwise(text, lambda x: numpy.where(x > 0, x, alpha * numpy.expm1(numpy.minimum(x, 0))))
     return square_root(function)
 
 
-def elementwise(text, function, slope):
-    return lambda here: Layer(text.split("<")[0], text, here.shape, lambda x, _: function(x), slope=slope)
+def elementwise(text, function):
+    return lambda here: Layer(text.split("<")[0], text, here.shape, lambda x, _: function(x))
 
 
 def slopes(here, values):
     """parametric_relu with a slope for each channel."""
     return Layer("prelu", "parametric_relu", here.shape, lambda x, a: numpy.where(x > 0, x, a["weight"][:, None, None] * x),
-                 {"weight": numpy.asarray(values, numpy.float64)}, slope=max(1, float(abs(values).max())))
+                 {"weight": numpy.asarray(values, numpy.float64)})
 
 
 def square_root(function):
@@ -96,4 +96,4 @@ def square_root(function):
     if fraction <= 0 or not same(found, numpy.sqrt(x + float(fraction)) - root) or not same(below, 0 * x):
         return None
     ratio = f"square_root<std::ratio<{fraction.numerator}, {fraction.denominator}>>"
-    return elementwise(ratio, lambda x: numpy.sqrt(numpy.maximum(x, 0) + float(fraction)) - root, 0.5 / root)
+    return elementwise(ratio, lambda x: numpy.sqrt(numpy.maximum(x, 0) + float(fraction)) - root)

@@ -171,8 +171,9 @@ class Graph:
         values = {**self.constants, self.input: numpy.zeros(self.input_shape)}
         data, self.folded = {self.input}, []
         for node in self.nodes:
+            node.on_data, node.on_frame = any(name in data for name in node.inputs), self.input in node.inputs
             self.compute(node, values)
-            if node.op in ("Shape", "Size") or not any(name in data for name in node.inputs):
+            if node.op in ("Shape", "Size") or not node.on_data:
                 self.folded.append(node)
                 self.constants.update((name, values[name]) for name in node.outputs if name)
             else:

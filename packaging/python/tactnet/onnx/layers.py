@@ -58,8 +58,6 @@ class Layer:
     multiply_adds: int = 0
     numbered: bool = True
     branches: list = field(default_factory=list)  # (beginning of names, layers)
-    terms: int = 0  # of a layer that is linear in its input and its weights: terms of each output
-    slope: float = 0  # of a function of single numbers: its largest slope
     write: Callable = None  # the text, where it depends on arrays or branches
     epsilon: float = None  # of a norm
     filter_axis: int = None  # of weights with a bias, which an affine layer after them becomes part of

@@ -5,7 +5,7 @@ import numpy
 from . import operators
 from .activations import ELEMENTWISE, recognise
 from .graph import CannotImport
-from .layers import Layer, Map
+from .layers import Map
 
 operators.install()
 

@@ -7,7 +7,7 @@ import struct
 
 import numpy
 
-TYPES = {"float32": "F32", "uint8": "U8"}
+TYPES = {"float32": "F32", "float64": "F64", "uint8": "U8", "int64": "I64"}
 RESERVED = {"tactnet", "std", "net", "int", "float", "double", "char", "bool", "new", "class", "default", "switch", "this", "main",
             "template", "namespace", "public", "private", "union", "struct", "long", "short", "auto", "register", "export"}
 
@@ -19,7 +19,11 @@ def identifier(text):
 
 
 def write_safely(path, data):
-    """All or nothing."""
+    """All or nothing; a file that holds the same stays, so that nothing is compiled again."""
+    if os.path.exists(path):
+        with open(path, "rb") as file:
+            if file.read() == data:
+                return
     partial = f"{path}.partial"
     with open(partial, "wb") as file:
         file.write(data)
@@ -29,7 +33,7 @@ def write_safely(path, data):
 def safetensors(arrays, metadata):
     header, data = {"__metadata__": metadata}, b""
     for name, array in arrays.items():
-        array = numpy.ascontiguousarray(array)
+        array = numpy.array(array, order="C")
         header[name] = {"dtype": TYPES[array.dtype.name], "shape": list(array.shape), "data_offsets": [len(data), len(data) + array.nbytes]}
         data += array.astype(array.dtype.newbyteorder("<")).tobytes()
     text = json.dumps(header).encode()

@@ -125,7 +125,7 @@ def convolution(here, weight, bias, strides, pads, dilations=(1, 1), groups=1):
         return call("dilated_conv2d" if middle else "conv2d", (str(filters), ""), (extent(*kernel), ""), *middle,
                     (extent(*strides), "1"), (around, "padding::same"), (options, ""))
     layer = Layer("conv", "", output + (filters,), run, with_bias(weight, bias), output[0] * output[1] * weight.size,
-                  terms=weight[0].size + 1, write=write, filter_axis=0)
+                  write=write, filter_axis=0)
     # One that looks back only, along frames. Its bias is not optional.
     if columns == 1 and rows > 1 and groups == 1 and kernel[1] == 1 and list(strides) == [1, 1] and pads == [reach[0] - 1, 0, 0, 0] \
             and (kernel[0] > 1 or rows > 1):
@@ -170,5 +170,5 @@ def import_transposed(walk, node, here, _):
                     (around, "padding::same"), ("true" if "bias" in layer.arrays else "false", "true"))
     layer = Layer("conv", "", (*size, filters), lambda x, a: arithmetic.transposed_convolution(
         x, a["weight"], a.get("bias"), strides, pads, size), with_bias(weight, bias), here.area * weight.size,
-        terms=channels * kernel[0] * kernel[1] + 1, write=write, filter_axis=1)
+        write=write, filter_axis=1)
     return [layer], Map.plain(layer.output, (1, filters, *size)[:here.places.ndim])

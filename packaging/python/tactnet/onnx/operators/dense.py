@@ -3,7 +3,7 @@
 import numpy
 
 from .. import arithmetic
-from ..layers import Layer, Map, call
+from ..layers import Layer, Map
 from . import evaluates, imports
 from .convolution import convolution
 from .elementwise import affine
@@ -33,12 +33,10 @@ def evaluate_softmax(node, x):
 
 def dense(here, weight, bias):
     """Weights [outputs, inputs in the order of the map]."""
-    rows, columns, channels = here.shape
-
     def run(x, a):
         return (a["weight"] @ x.ravel() + a["bias"])[:, None, None]
     return Layer("fc", f"dense<{len(weight)}>", (1, 1, len(weight)), run, {"weight": weight, "bias": bias}, weight.size,
-                 numbered=False, terms=rows * columns * channels + 1, filter_axis=0)
+                 numbered=False, filter_axis=0)
 
 
 def product(walk, node, here, weight, bias):

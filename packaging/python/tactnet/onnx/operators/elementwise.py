@@ -4,7 +4,7 @@ import numpy
 
 from .. import arithmetic
 from ..activations import slopes
-from ..layers import Layer, Map
+from ..layers import Layer
 from . import evaluates, imports
 
 SIMPLE = {

@@ -80,8 +80,7 @@ def import_pool(walk, node, here, _):
     name = "average_pool" if average else "max_pool"
     layer = Layer("pool", call(name, (extent(*kernel), ""), (extent(*strides), extent(*kernel)), (text, "padding::same"),
                                (over, "average_over::pixels")), output + (channels,),
-                  lambda x, _: arithmetic.pool(x, kernel, strides, pads, average=average, counts=counts),
-                  terms=kernel[0] * kernel[1] if average else 1)
+                  lambda x, _: arithmetic.pool(x, kernel, strides, pads, average=average, counts=counts))
     if output == (1, 1) and tuple(kernel) == (rows, columns) and not any(pads):
         layer.text = "global_average_pool" if average else "global_max_pool"
     return [layer], Map.plain(layer.output, (1, channels, *output)[:here.places.ndim])
@@ -90,8 +89,7 @@ def import_pool(walk, node, here, _):
 def global_pool(here, average, extents):
     rows, columns, channels = here.shape
     layer = Layer("pool", "global_average_pool" if average else "global_max_pool", (1, 1, channels),
-                  (lambda x, _: x.mean((1, 2), keepdims=True)) if average else (lambda x, _: x.max((1, 2), keepdims=True)),
-                  terms=rows * columns if average else 1)
+                  (lambda x, _: x.mean((1, 2), keepdims=True)) if average else (lambda x, _: x.max((1, 2), keepdims=True)))
     return layer, Map((1, 1, channels), extents)
 
 
@@ -227,5 +225,5 @@ def import_resize(walk, node, here, _):
     factors = [s // n if s % n == 0 else 0 for s, n in zip(size, here.shape)]
     mode = ("interpolation::bilinear" if bilinear else "interpolation::nearest", "interpolation::nearest")
     text = call("upsample", (extent(*factors), ""), mode) if all(factors) else call("upsample_to", (extent(*size), ""), mode)
-    layer = Layer("upsample", text, size + (here.shape[2],), lambda x, _: resampled(x, *own), terms=4)
+    layer = Layer("upsample", text, size + (here.shape[2],), lambda x, _: resampled(x, *own))
     return [layer], Map.plain(layer.output, sizes)
