@@ -66,7 +66,7 @@ OPERATORS = {
     "reference": "reference eight_bit step shared",
     "shared": "shared",
 }
-OPERATOR_KINDS = {"costs": "layer", "frames": "layer", "layer_list": "layer", "named": "layer", "trained_layer": "training"}
+OPERATOR_KINDS = {"trained_layer": "training"}
 # The list of the folders of operators/, which its umbrellas read.
 FOLDERS = "operators/folders.hpp"
 # Folders that only these and they themselves include: a simulation of your own objects does not pay for the paper's 22 classes.

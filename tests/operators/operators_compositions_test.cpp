@@ -1,5 +1,5 @@
 #include <tactnet/networks/network.hpp>
-#include <tactnet/operators/sequence/named.hpp>
+#include <tactnet/operators/sequence/layer.hpp>
 #include <tactnet/operators/training.hpp>
 
 #include <doctest/doctest.h>

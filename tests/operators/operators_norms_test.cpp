@@ -1,6 +1,5 @@
 #include <tactnet/operators.hpp>
-#include <tactnet/operators/channel_scale/layer.hpp>
-#include <tactnet/operators/local_response_norm/layer.hpp>
+#include <tactnet/operators/batch_norm/layer.hpp>
 #include <tactnet/operators/sample_norms/layer.hpp>
 
 #include <string>

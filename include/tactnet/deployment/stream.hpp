@@ -3,7 +3,7 @@
 #include <tactnet/deployment/deploy.hpp>
 #include <tactnet/deployment/stream_view.hpp>
 #include <tactnet/networks/network.hpp>
-#include <tactnet/operators/frames.hpp>
+#include <tactnet/operators/layer.hpp>
 #include <tactnet/operators/sequence/lowering.hpp>
 #include <tactnet/tensor/aligned.hpp>
 

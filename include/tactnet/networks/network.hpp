@@ -3,7 +3,6 @@
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/operators/activations/layer.hpp>
 #include <tactnet/operators/sequence/layer.hpp>
-#include <tactnet/operators/sequence/named.hpp>
 #include <tactnet/tensor/batch.hpp>
 
 #include <algorithm>

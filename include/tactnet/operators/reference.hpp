@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/operators/convolution/reference.hpp>
-#include <tactnet/operators/local_response_norm/reference.hpp>
 #include <tactnet/operators/sample_norms/reference.hpp>
 #include <tactnet/operators/upsampling/reference.hpp>
 

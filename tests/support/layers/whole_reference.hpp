@@ -7,7 +7,7 @@
 
 #include <tactnet/deployment/deployed_view.hpp>
 #include <tactnet/deployment/eight_bit/steps.hpp>
-#include <tactnet/operators/gate/step.hpp>
+#include <tactnet/operators/residual/step.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,6 @@
 // What steps in 8 bits must give that give a map another size. whole_reference.hpp includes it.
 
 #include <tactnet/deployment/eight_bit/steps.hpp>
-#include <tactnet/operators/dilated_convolution/phase_interleaving.hpp>
 #include <tactnet/operators/dilated_convolution/step.hpp>
 
 #include <algorithm>

@@ -3,7 +3,6 @@
 // What norms with moments of each frame, and of responses, must give in 8 bits. whole_reference.hpp includes
 // it.
 
-#include <tactnet/operators/local_response_norm/eight_bit.hpp>
 #include <tactnet/operators/sample_norms/eight_bit.hpp>
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/operators/frames.hpp>
+#include <tactnet/operators/layer.hpp>
 
 #include <algorithm>
 #include <cstddef>

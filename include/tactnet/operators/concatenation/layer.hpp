@@ -2,7 +2,6 @@
 
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/operators/sequence/layer.hpp>
-#include <tactnet/operators/sequence/named.hpp>
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 #include <tactnet/operators/concatenation/layer.hpp>
 #include <tactnet/operators/pooling/layer.hpp>
 #include <tactnet/operators/residual/layer.hpp>
-#include <tactnet/operators/sequence/named.hpp>
+#include <tactnet/operators/sequence/layer.hpp>
 #include <tactnet/operators/trained_layer.hpp>
 
 #include <array>

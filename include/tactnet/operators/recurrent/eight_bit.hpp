@@ -2,8 +2,7 @@
 
 #include <tactnet/kernels/integer/recurrent.hpp>
 #include <tactnet/operators/causal_convolution/eight_bit.hpp>
-#include <tactnet/operators/recurrent/gru_cell.hpp>
-#include <tactnet/operators/recurrent/lstm_cell.hpp>
+#include <tactnet/operators/recurrent/cells.hpp>
 #include <tactnet/operators/recurrent/step.hpp>
 
 #include <algorithm>

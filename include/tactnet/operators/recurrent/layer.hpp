@@ -1,8 +1,7 @@
 #pragma once
 
-#include <tactnet/operators/frames.hpp>
-#include <tactnet/operators/recurrent/gru_cell.hpp>
-#include <tactnet/operators/recurrent/lstm_cell.hpp>
+#include <tactnet/operators/layer.hpp>
+#include <tactnet/operators/recurrent/cells.hpp>
 
 #include <algorithm>
 #include <array>
@@ -63,5 +62,19 @@ using gru = recurrent<gru_cell, Hidden>;
 /// A layer of long short-term memory, with the parameters of PyTorch's nn.LSTM of one layer.
 template <std::size_t Hidden>
 using lstm = recurrent<lstm_cell, Hidden>;
+
+/// The features of the last frame of a sequence, without the others: what a classifier of whole sequences
+/// reads after a recurrent or a causal layer. In a stream the last frame is the present one.
+struct last_frame {
+    static constexpr std::string_view name = "last";
+    static constexpr bool numbered = true, takes_sequences = true;
+
+    static constexpr layer_costs costs(const shape& input) { return {.output = {1, 1, input.channels}}; }
+
+    template <class T, shape Input>
+    struct layer : layer_base<T, Input, last_frame> {
+        static constexpr shape output = detail::sequence_output<Input.columns, 1>({1, 1, Input.channels});
+    };
+};
 
 }} // namespace tactnet

@@ -32,4 +32,10 @@ struct lowering<recurrent<Cell, Hidden>> {
     using at = lowered_recurrent<Place, Cell, Hidden>;
 };
 
+/// In a stream the last frame is the present one.
+template <>
+struct lowering<last_frame> {
+    static constexpr bool inference_no_op = true;
+};
+
 }} // namespace tactnet

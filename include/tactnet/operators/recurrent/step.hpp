@@ -2,7 +2,7 @@
 
 #include <tactnet/kernels/frame/dense.hpp>
 #include <tactnet/lowering/step.hpp>
-#include <tactnet/operators/recurrent/cell.hpp>
+#include <tactnet/operators/recurrent/cells.hpp>
 
 #include <array>
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// A recurrent layer of a cell (operators/recurrent/cell.hpp) on one frame of a stream.
+/// A recurrent layer of a cell (operators/recurrent/cells.hpp) on one frame of a stream.
 template <class Format, class Cell, std::size_t Features, std::size_t Hidden>
 struct recurrent_step;
 template <class Format, class Cell, std::size_t Features, std::size_t Hidden>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/kernels/batch/lane_products.hpp>
-#include <tactnet/operators/recurrent/cell.hpp>
+#include <tactnet/operators/recurrent/cells.hpp>
 #include <tactnet/operators/recurrent/layer.hpp>
 #include <tactnet/operators/trained_layer.hpp>
 
@@ -147,6 +147,15 @@ private:
                         kernels::store(in_gradient + (f * frames + frame) * lanes, sum);
                     });
         }
+    }
+};
+
+template <class T, shape Input>
+struct trained_layer<last_frame, T, Input> : lane_block_layer<last_frame, T, Input> {
+    static void forward_block(const T* in, T* out) { detail::read_frame<Input>(in, Input.rows - 1, out); }
+    static void backward_block(const T*, const T*, const T* out_gradient, T* in_gradient) {
+        std::fill_n(in_gradient, Input.size() * kernels::lanes<T>, T{});
+        detail::write_frame<Input>(out_gradient, Input.rows - 1, in_gradient);
     }
 };
 

@@ -108,4 +108,18 @@ struct trained_layer<instance_norm, T, Input> : detail::trained_sample_norm<inst
 template <norm_over Over, class T, shape Input>
 struct trained_layer<layer_norm<Over>, T, Input> : detail::trained_sample_norm<layer_norm<Over>, T, Input> {};
 
+template <std::size_t Size, class Alpha, class Beta, class K, class T, shape Input>
+struct trained_layer<local_response_norm<Size, Alpha, Beta, K>, T, Input>
+    : lane_block_layer<local_response_norm<Size, Alpha, Beta, K>, T, Input> {
+    using rule = typename local_response_norm<Size, Alpha, Beta, K>::rule;
+
+    static void forward_block(const T* in, T* out) {
+        kernels::normalise_responses<rule>(Input.channels, Input.area(), in, out);
+    }
+    static void backward_block(const T* in, const T*, const T* out_gradient, T* in_gradient) {
+        kernels::normalise_responses_backward<rule>(Input.channels, Input.area(), in, out_gradient,
+                                                    in_gradient);
+    }
+};
+
 }} // namespace tactnet

@@ -2,9 +2,8 @@
 
 #include <tactnet/detail/indexed_leaves.hpp>
 #include <tactnet/lowering/lowering.hpp>
-#include <tactnet/operators/frames.hpp>
+#include <tactnet/operators/layer.hpp>
 #include <tactnet/operators/sequence/layer.hpp>
-#include <tactnet/operators/sequence/named.hpp>
 #include <tactnet/operators/sequence/step.hpp>
 
 #include <algorithm>

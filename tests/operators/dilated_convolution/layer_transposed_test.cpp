@@ -1,4 +1,4 @@
-#include <tactnet/operators/transposed_convolution/layer.hpp>
+#include <tactnet/operators/dilated_convolution/layer.hpp>
 
 #include <support/layers/conformance.hpp>
 
