@@ -8,6 +8,7 @@
 // Trained networks are kept in the folder NETWORKS, and taken from there: to compare scores takes a minute.
 
 #include <tactnet/decision.hpp>
+#include <tactnet/deployment/reflection_average.hpp>
 #include <tactnet/io/images/set.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/save_model.hpp>

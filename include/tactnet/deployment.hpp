@@ -1,8 +1,6 @@
 #pragma once
 
 #include <tactnet/deployment/deploy.hpp>
-#include <tactnet/deployment/reflection_average.hpp>
-#include <tactnet/deployment/stream.hpp>
 #include <tactnet/operators/lowering.hpp>
 
 // Deployed networks: see deployment/deploy.hpp, and deployment/stream.hpp for sequences of frames.

@@ -1,6 +1,7 @@
 // Against PyTorch's Conv1d, GRU, LSTM and Linear: tests/golden/time_layers.py made the file.
 
 #include <tactnet/deployment.hpp>
+#include <tactnet/deployment/stream.hpp>
 #include <tactnet/io/model_file.hpp>
 #include <tactnet/io/parameters.hpp>
 #include <tactnet/io/safetensors.hpp>

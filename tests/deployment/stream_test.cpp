@@ -1,4 +1,5 @@
 #include <tactnet/deployment.hpp>
+#include <tactnet/deployment/stream.hpp>
 #include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/operators.hpp>
 #include <tactnet/runtime/random.hpp>

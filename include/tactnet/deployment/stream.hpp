@@ -4,6 +4,7 @@
 #include <tactnet/deployment/stream_view.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/operators/layer.hpp>
+#include <tactnet/operators/lowering.hpp>
 #include <tactnet/operators/sequence/lowering.hpp>
 #include <tactnet/tensor/aligned.hpp>
 

@@ -14,18 +14,16 @@
 
 #include TACTNET_FILE_OF(activations)
 #include TACTNET_FILE_OF(batch_norm)
-#include TACTNET_FILE_OF(causal_convolution)
 #include TACTNET_FILE_WITHOUT_STEP(concatenation)
 #include TACTNET_FILE_OF(convolution)
 #include TACTNET_FILE_OF(dense)
 #include TACTNET_FILE_OF(dilated_convolution)
 #include TACTNET_FILE_WITHOUT_STEP(dropout)
 #include TACTNET_FILE_OF(pooling)
-#include TACTNET_FILE_OF(recurrent)
 #include TACTNET_FILE_OF(residual)
 #include TACTNET_FILE_OF(sample_norms)
 #include TACTNET_FILE_OF(sequence)
-#include TACTNET_FILE_OF(upsampling)
+#include TACTNET_FILE_OF(temporal)
 
 #undef TACTNET_FILE_OF
 #undef TACTNET_FILE_WITHOUT_STEP

@@ -3,7 +3,7 @@
 #include "small.hpp"
 
 #include <tactnet/deployment/export/deployed_header.hpp>
-#include <tactnet/deployment/export/literals.hpp>
+#include <tactnet/deployment/export/header_form.hpp>
 #include <tactnet/transfer/as_photograph.hpp>
 
 #include <doctest/doctest.h>

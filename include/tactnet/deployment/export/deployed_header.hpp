@@ -3,7 +3,6 @@
 #include <tactnet/deployment/deploy.hpp>
 #include <tactnet/deployment/export/header_description.hpp>
 #include <tactnet/deployment/export/header_form.hpp>
-#include <tactnet/deployment/export/literals.hpp>
 #include <tactnet/deployment/export/step_text.hpp>
 #include <tactnet/deployment/stream.hpp>
 #include <tactnet/text/message.hpp>

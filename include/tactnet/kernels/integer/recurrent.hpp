@@ -75,7 +75,7 @@ template <std::size_t Lanes>
 
 } // namespace detail
 
-/// The cell of a gated recurrent unit: gates r, z, n, and the hidden state. operators/recurrent/cells.hpp
+/// The cell of a gated recurrent unit: gates r, z, n, and the hidden state. operators/temporal/cells.hpp
 /// has the formulas.
 struct word_gru_cell {
     static constexpr std::size_t gates = 3, states = 1;
@@ -94,7 +94,7 @@ struct word_gru_cell {
 };
 
 /// The cell of a long short-term memory: gates i, f, g, o, the hidden state and the content, which saturates
-/// at ±16. operators/recurrent/cells.hpp has the formulas.
+/// at ±16. operators/temporal/cells.hpp has the formulas.
 struct word_lstm_cell {
     static constexpr std::size_t gates = 4, states = 2;
 

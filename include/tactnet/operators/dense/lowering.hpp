@@ -1,9 +1,9 @@
 #pragma once
 
 #include <tactnet/lowering/lowering.hpp>
-#include <tactnet/operators/causal_convolution/lowering.hpp>
 #include <tactnet/operators/dense/layer.hpp>
 #include <tactnet/operators/dense/step.hpp>
+#include <tactnet/operators/temporal/lowering.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -78,7 +78,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 ///     n = tanh(in + r · hidden),  h = n + z · (h − n)
 struct gru_cell {
     static constexpr const char *name = "gru", *title = "GRU", *type = "tactnet::gru_cell",
-                                *header = "tactnet/operators/recurrent/cells.hpp";
+                                *header = "tactnet/operators/temporal/cells.hpp";
     static constexpr std::size_t gates = 3;      ///< r, z, n: the order of PyTorch
     static constexpr std::size_t states = 1;     ///< h
     static constexpr std::size_t kept_count = 4; ///< r, z, n, and the sum of n over the hidden state
@@ -121,7 +121,7 @@ struct gru_cell {
 ///     c = f · c + i · g,  h = o · tanh(c)
 struct lstm_cell {
     static constexpr const char *name = "lstm", *title = "LSTM", *type = "tactnet::lstm_cell",
-                                *header = "tactnet/operators/recurrent/cells.hpp";
+                                *header = "tactnet/operators/temporal/cells.hpp";
     static constexpr std::size_t gates = 4;      ///< i, f, g, o: the order of PyTorch
     static constexpr std::size_t states = 2;     ///< h, c
     static constexpr std::size_t kept_count = 5; ///< i, f, g, o, tanh(c)

@@ -1,4 +1,4 @@
-#include <tactnet/operators/upsampling/layer.hpp>
+#include <tactnet/operators/pooling/layer.hpp>
 
 #include <support/layers/conformance.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/operators/upsampling/eight_bit.hpp>
+#include <tactnet/operators/pooling/eight_bit.hpp>
 
 #include <cstddef>
 
