@@ -18,22 +18,11 @@ tactnet_export(tactnet_sensors tactnetSensorsTargets)
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/include/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" FILES_MATCHING PATTERN "*.hpp")
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 
-configure_package_config_file(
-    "${PROJECT_SOURCE_DIR}/cmake/tactnetConfig.cmake.in"
-    "${PROJECT_BINARY_DIR}/tactnetConfig.cmake"
-    INSTALL_DESTINATION "${tactnet_package_folder}"
-    NO_SET_AND_CHECK_MACRO
-)
-configure_file(
-    "${PROJECT_SOURCE_DIR}/cmake/tactnetConfigVersion.cmake.in" "${PROJECT_BINARY_DIR}/tactnetConfigVersion.cmake" @ONLY
-)
-install(
-    FILES
-        "${PROJECT_BINARY_DIR}/tactnetConfig.cmake"
-        "${PROJECT_BINARY_DIR}/tactnetConfigVersion.cmake"
-        "${PROJECT_SOURCE_DIR}/cmake/tactnet_dependencies.cmake"
-    DESTINATION "${tactnet_package_folder}"
-)
+configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/tactnetConfig.cmake.in" "${PROJECT_BINARY_DIR}/tactnetConfig.cmake"
+    INSTALL_DESTINATION "${tactnet_package_folder}" NO_SET_AND_CHECK_MACRO)
+configure_file("${PROJECT_SOURCE_DIR}/cmake/tactnetConfigVersion.cmake.in" "${PROJECT_BINARY_DIR}/tactnetConfigVersion.cmake" @ONLY)
+install(FILES "${PROJECT_BINARY_DIR}/tactnetConfig.cmake" "${PROJECT_BINARY_DIR}/tactnetConfigVersion.cmake"
+    "${PROJECT_SOURCE_DIR}/cmake/tactnet_dependencies.cmake" DESTINATION "${tactnet_package_folder}")
 
 # For builds without CMake: pkg-config --cflags --libs tactnet, or tactnet-simulation, tactnet-eigen, tactnet-sensors. The
 # folder may be moved as a whole, so paths start from where the file itself lies.
@@ -64,13 +53,9 @@ else()
 endif()
 tactnet_install_pkg_config(tactnet-sensors "Decodes recordings and streams of tactile sensors" "" "${pkg_config_flags}" "")
 if(TARGET tactnet)
-    tactnet_install_pkg_config(
-        tactnet "${PROJECT_DESCRIPTION}" "${pkg_config_vectors}" "${pkg_config_flags}" "-pthread"
-    )
+    tactnet_install_pkg_config(tactnet "${PROJECT_DESCRIPTION}" "${pkg_config_vectors}" "${pkg_config_flags}" "-pthread")
     foreach(component IN ITEMS simulation eigen)
-        tactnet_install_pkg_config(
-            tactnet-${component} "tactnet and what its component ${component} needs" "tactnet = ${PROJECT_VERSION}, eigen3 >= 3.4"
-            "" ""
-        )
+        tactnet_install_pkg_config(tactnet-${component} "tactnet and what its component ${component} needs"
+            "tactnet = ${PROJECT_VERSION}, eigen3 >= 3.4" "" "")
     endforeach()
 endif()

@@ -14,8 +14,6 @@ function(tactnet_use_svm_peers target)
     set(peers "${PROJECT_SOURCE_DIR}/benchmarks/peers")
     target_sources(${target} PRIVATE "${peers}/support_vector_machines.cpp")
     target_include_directories(${target} PRIVATE "${PROJECT_SOURCE_DIR}/benchmarks")
-    target_include_directories(
-        ${target} SYSTEM PRIVATE "${TACTNET_LIBSVM_INCLUDE}" "${TACTNET_LIBLINEAR_INCLUDE}"
-    )
+    target_include_directories(${target} SYSTEM PRIVATE "${TACTNET_LIBSVM_INCLUDE}" "${TACTNET_LIBLINEAR_INCLUDE}")
     target_link_libraries(${target} PRIVATE "${TACTNET_LIBSVM_LIBRARY}" "${TACTNET_LIBLINEAR_LIBRARY}")
 endfunction()

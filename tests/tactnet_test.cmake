@@ -22,9 +22,7 @@ function(tactnet_python_test name script)
     else()
         add_test(NAME ${name} COMMAND "${CMAKE_COMMAND}" -E echo "skipped: needs python3")
     endif()
-    set_tests_properties(
-        ${name} PROPERTIES LABELS "${tactnet_room}" SKIP_RETURN_CODE 77 SKIP_REGULAR_EXPRESSION "skipped:"
-    )
+    set_tests_properties(${name} PROPERTIES LABELS "${tactnet_room}" SKIP_RETURN_CODE 77 SKIP_REGULAR_EXPRESSION "skipped:")
 endfunction()
 
 # What tests that call a compiler by themselves give it, as arguments of tactnet_python_test: where headers are, and the definitions.
@@ -38,6 +36,11 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
 else()
     find_program(TACTNET_OTHER_COMPILER g++ DOC "A second compiler for tests")
 endif()
+# Compilers for other targets, and emulators of these.
+find_program(TACTNET_AARCH64_COMPILER aarch64-linux-gnu-g++ DOC "For tests of AArch64")
+find_program(TACTNET_AARCH64_EMULATOR NAMES qemu-aarch64 qemu-aarch64-static)
+find_program(TACTNET_ARMHF_COMPILER arm-linux-gnueabihf-g++ DOC "For tests of 32-bit ARM")
+find_program(TACTNET_ARM_EMULATOR NAMES qemu-arm qemu-arm-static)
 
 # tactnet_test_level(target optimised|quick|unoptimised): compiles a part of a test at its own level, at -O1, or at -O0.
 function(tactnet_test_level target level)
@@ -88,9 +91,7 @@ endmacro()
 #
 # FULL leaves the program to the full suite. COST is about what it takes, so that CTest starts the longest first.
 function(tactnet_test name)
-    cmake_parse_arguments(
-        PARSE_ARGV 1 test "FULL" "LEVEL;TIMEOUT;COST" "SOURCES;UNOPTIMISED;UNOPTIMISED_BUT;LIBRARIES;PARTS"
-    )
+    cmake_parse_arguments(PARSE_ARGV 1 test "FULL" "LEVEL;TIMEOUT;COST" "SOURCES;UNOPTIMISED;UNOPTIMISED_BUT;LIBRARIES;PARTS")
     if(test_UNPARSED_ARGUMENTS)
         message(FATAL_ERROR "tactnet_test(${name}): there is no '${test_UNPARSED_ARGUMENTS}'.")
     endif()
@@ -194,9 +195,8 @@ function(tactnet_test name)
         set(all_but "--source-file-exclude=${others}")
     endif()
     add_test(NAME ${name} COMMAND ${program} ${all_but} ${not_data})
-    set_tests_properties(
-        ${entries} PROPERTIES LABELS "${room}" TIMEOUT ${test_TIMEOUT} COST ${test_COST} FAIL_REGULAR_EXPRESSION "test cases: +0 "
-    )
+    set_tests_properties(${entries} PROPERTIES LABELS "${room}" TIMEOUT ${test_TIMEOUT} COST ${test_COST} FAIL_REGULAR_EXPRESSION
+        "test cases: +0 ")
     add_dependencies(room_${room} ${program})
     if(NOT test_FULL)
         tactnet_library_tests(TESTS ${entries} TARGETS ${program})
@@ -209,9 +209,7 @@ function(tactnet_find_python variable modules)
     set(found "")
     foreach(python IN ITEMS "${Python3_EXECUTABLE}" /usr/bin/python3)
         if(python AND NOT found)
-            execute_process(
-                COMMAND "${python}" -c "import ${modules}" RESULT_VARIABLE missing OUTPUT_QUIET ERROR_QUIET
-            )
+            execute_process(COMMAND "${python}" -c "import ${modules}" RESULT_VARIABLE missing OUTPUT_QUIET ERROR_QUIET)
             if(missing EQUAL 0)
                 set(found "${python}")
             endif()

@@ -83,18 +83,14 @@ function(tactnet_add_program target)
             set(training std::nullopt)
         endif()
         set(name "${alias}_${size}")
-        tactnet_add_unit(
-            "${name}" "#include \"methods/networks/compile.hpp\"\n${headers}" compiled_network
-            "compile_network<${type}, ${template}<tactnet::shape{${extents}, 1}, 1>>()"
-        )
+        tactnet_add_unit("${name}" "#include \"methods/networks/compile.hpp\"\n${headers}" compiled_network
+            "compile_network<${type}, ${template}<tactnet::shape{${extents}, 1}, 1>>()")
         list(APPEND compiled "${unit}")
         set(bytes nullptr)
         if("${unit}" IN_LIST eight_bit)
             set(bytes "make_${name}_in_8_bits()")
-            tactnet_add_unit(
-                "${name}_in_8_bits" "#include \"methods/networks/compile_eight_bit.hpp\"\n${headers}"
-                "std::unique_ptr<compiled_eight_bit>" "std::make_unique<eight_bit_code<${type}>>()"
-            )
+            tactnet_add_unit("${name}_in_8_bits" "#include \"methods/networks/compile_eight_bit.hpp\"\n${headers}"
+                "std::unique_ptr<compiled_eight_bit>" "std::make_unique<eight_bit_code<${type}>>()")
             list(APPEND compiled "${unit}_in_8_bits")
         endif()
         string(APPEND calls "\n    methods.push_back(make_network_method(\"${network}\", make_${name}(), \"${template}\", ${training}, ${bytes}));")
@@ -102,18 +98,14 @@ function(tactnet_add_program target)
     # After the networks: support vector machines for images of each size.
     foreach(size IN LISTS all_sizes)
         string(REPLACE "x" ", " extents "${size}")
-        tactnet_add_unit(
-            "surf_${size}" "#include \"methods/support_vector_machines/surf_features.hpp\"\n"
-            "std::unique_ptr<image_features>" "std::make_unique<surf_features<tactnet::shape{${extents}}>>()"
-        )
+        tactnet_add_unit("surf_${size}" "#include \"methods/support_vector_machines/surf_features.hpp\"\n"
+            "std::unique_ptr<image_features>" "std::make_unique<surf_features<tactnet::shape{${extents}}>>()")
         string(APPEND calls "\n    add_methods_on_features(methods, {${extents}}, make_surf_${size}, trunks);")
     endforeach()
     # Trunks take photographs, which images of all sizes become.
     foreach(trunk IN LISTS trunks)
-        tactnet_add_unit(
-            "trunk_${trunk}" "#include \"methods/trunks/compile.hpp\"\n" "std::shared_ptr<const compiled_trunk>"
-            "compile_trunk<trunks::${trunk}>()"
-        )
+        tactnet_add_unit("trunk_${trunk}" "#include \"methods/trunks/compile.hpp\"\n" "std::shared_ptr<const compiled_trunk>"
+            "compile_trunk<trunks::${trunk}>()")
         string(APPEND trunk_calls "make_trunk_${trunk}(), ")
     endforeach()
     file(CONFIGURE OUTPUT "${folder}/method_list.cpp" CONTENT "// Generated: all methods that were compiled in.
@@ -126,9 +118,8 @@ std::vector<std::unique_ptr<method>> make_methods() {
     return methods;\n}\n" @ONLY)
 
     add_library(${target}_units OBJECT ${sources})
-    add_executable(
-        ${target} $<TARGET_OBJECTS:tactnet_program_commands> $<TARGET_OBJECTS:${target}_units> "${folder}/method_list.cpp"
-    )
+    add_executable(${target} $<TARGET_OBJECTS:tactnet_program_commands> $<TARGET_OBJECTS:${target}_units>
+        "${folder}/method_list.cpp")
     foreach(part IN ITEMS ${target}_units ${target})
         tactnet_use(${part})
         target_link_libraries(${part} PRIVATE tactnet_program_parts)
