@@ -5,7 +5,7 @@
 
 #include <tactnet/decision/contact_detector.hpp>
 #include <tactnet/decision/sensor_health.hpp>
-#include <tactnet/image/dynamic_resize.hpp>
+#include <tactnet/image/resize.hpp>
 #include <tactnet/io/images/set.hpp>
 
 #include <algorithm>
