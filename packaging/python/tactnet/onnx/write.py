@@ -59,7 +59,7 @@ def header(network):
     shape = f"shape{{{rows}, {columns}{f', {channels}' if channels > 1 else ''}}}"
     layers = wrapped([shape] + [str(layer) for layer in network.layers], "using net = network<")
     stream = any(layer.kind in ("gru", "lstm", "last") or str(layer).startswith("causal") for layer in network.all_layers())
-    use = f'tactnet::load_model<{network.name}::net>("{network.name}.safetensors"), then tactnet::deploy_stream' if stream else \
+    use = f'tactnet::load_model<{network.name}::net>("{network.name}.safetensors"), then tactnet::deploy_stream (tactnet/deployment/stream.hpp)' if stream else \
         f'tactnet::load_deployed<{network.name}::net>("{network.name}.safetensors")'
     ratio = "\n#include <ratio>\n" if "std::ratio" in layers else ""
     return f"""#pragma once
