@@ -3,7 +3,7 @@
 // Every header that declares a purpose.
 #include <tactnet/features/k_means.hpp>
 #include <tactnet/image/augmentation.hpp>
-#include <tactnet/operators/dropout/training.hpp>
+#include <tactnet/operators/activations/training.hpp>
 #include <tactnet/simulation/effect.hpp>
 #include <tactnet/simulation/objects/object.hpp>
 #include <tactnet/training/initialise.hpp>

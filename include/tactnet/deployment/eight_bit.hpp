@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/deployment/deploy.hpp>
-#include <tactnet/deployment/eight_bit/checks.hpp>
 #include <tactnet/deployment/eight_bit/layout.hpp>
 #include <tactnet/deployment/eight_bit/steps.hpp>
 #include <tactnet/operators/lowering.hpp>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/deployment/eight_bit.hpp>
-#include <tactnet/deployment/eight_bit/checks.hpp>
+#include <tactnet/deployment/eight_bit/layout.hpp>
 #include <tactnet/detail/function_ref.hpp>
 #include <tactnet/io/deployed_file.hpp>
 #include <tactnet/io/file_error.hpp>

@@ -18,7 +18,6 @@
 #include TACTNET_FILE_OF(convolution)
 #include TACTNET_FILE_OF(dense)
 #include TACTNET_FILE_OF(dilated_convolution)
-#include TACTNET_FILE_WITHOUT_STEP(dropout)
 #include TACTNET_FILE_OF(pooling)
 #include TACTNET_FILE_OF(residual)
 #include TACTNET_FILE_OF(sample_norms)

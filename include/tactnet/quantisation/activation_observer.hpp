@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/deployment/eight_bit/checks.hpp>
+#include <tactnet/deployment/eight_bit/layout.hpp>
 #include <tactnet/lowering/step.hpp>
 #include <tactnet/operators/residual/step.hpp>
 #include <tactnet/operators/sequence/step.hpp>

@@ -74,4 +74,9 @@ struct lowering<softmax> {
     using at = lowered_to<softmax_step<typename Place::format, Place::layer::output, Place::input_stride>>;
 };
 
+template <unsigned Percent>
+struct lowering<dropout<Percent>> {
+    static constexpr bool inference_no_op = true;
+};
+
 }} // namespace tactnet
