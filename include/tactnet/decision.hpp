@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/decision/contact_detector.hpp>
+#include <tactnet/decision/count_scale.hpp>
 #include <tactnet/decision/discriminant.hpp>
 #include <tactnet/decision/fit_discriminant.hpp>
 #include <tactnet/decision/fitting.hpp>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/decision/padded_frame.hpp>
+#include <tactnet/kernels/frame/tactels.hpp>
 #include <tactnet/runtime/saved_state.hpp>
 #include <tactnet/tensor/shape.hpp>
 
@@ -9,13 +10,20 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 // How tactels are judged, the list of those that fail, and what their counts are replaced by.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// How a tactel fails: it shows pressure where there is none, or none where there is pressure.
-enum class tactel_fault_kind : std::uint8_t { stuck, dead };
+/// How a tactel fails: it shows pressure where there is none, or none where there is pressure, or the sensor
+/// itself marks it as broken.
+enum class tactel_fault_kind : std::uint8_t { stuck, dead, broken };
+/// "stuck", "dead" or "broken".
+[[nodiscard]] constexpr std::string_view name_of(tactel_fault_kind kind) noexcept {
+    constexpr std::array<std::string_view, 3> names{"stuck", "dead", "broken"};
+    return names[static_cast<std::size_t>(kind)];
+}
 
 /// A faulty tactel.
 struct tactel_fault {
@@ -66,13 +74,13 @@ struct health_settings {
 namespace detail {
 
 /// The faulty tactels of an array, and what their counts are replaced by.
-template <shape Array>
+template <shape Array, class Count = std::uint8_t>
 class fault_list {
 public:
     /// Tactels that can be faulty at the same time.
     static constexpr std::size_t most = Array.size() / 8;
     /// A count that a stuck tactel is not below, and a dead one not above.
-    static constexpr std::uint8_t healthy_count = 10;
+    static constexpr Count healthy_count = sizeof(Count) == 1 ? 10 : 10 * 256;
 
     [[nodiscard]] std::span<const tactel_fault> all() const noexcept {
         return std::span(faults_).first(count_);
@@ -97,18 +105,22 @@ public:
     }
 
     /// Replaces the counts of faulty tactels by the mean of their sound neighbours. Removes those that have
-    /// been seen to work in `enough` frames, and calls recovered(fault) for them.
-    template <class Recovered>
-    void replace(padded_frame<Array>& frame, const fault_limits& limits, std::uint8_t enough,
-                 const Recovered& recovered) noexcept {
+    /// been seen to work in `enough` frames, and calls recovered(fault) for them. A tactel with marked(place)
+    /// does not work.
+    template <class Marked, class Recovered>
+    void replace(padded_frame<Array, Count>& frame, const kernels::basic_sign_limits<Count>& limits,
+                 std::uint8_t enough, const Marked& marked, const Recovered& recovered) noexcept {
         bool any = false;
         for (std::size_t f = 0; f < count_; ++f) {
-            std::uint8_t& count = frame.tactels()[replacements_[f].place()];
-            const std::uint8_t mean = replacements_[f].of(frame);
-            const bool dead = faults_[f].kind == tactel_fault_kind::dead;
+            Count& count = frame.tactels()[replacements_[f].place()];
+            const Count mean = replacements_[f].of(frame);
+            const tactel_fault_kind kind = faults_[f].kind;
+            const bool dead = kind == tactel_fault_kind::dead, broken = marked(replacements_[f].place());
             const bool works = dead ? count > healthy_count : count < healthy_count;
             const bool fails = dead ? mean >= limits.pressed : count >= limits.spike && mean < count / 8;
-            if (works)
+            if (broken)
+                sound_frames_[f] = 0;
+            else if (works || kind == tactel_fault_kind::broken)
                 any = ++sound_frames_[f] >= enough || any;
             else if (fails)
                 sound_frames_[f] = 0;
@@ -129,6 +141,8 @@ public:
     static constexpr std::size_t state_bytes = 5 + 13 * most;
     /// Into an empty list, after `frames` frames. False for numbers that no list has.
     [[nodiscard]] bool restore(state_reader& from, std::uint64_t frames) noexcept {
+        // 8-bit counts have no mark of a broken tactel.
+        constexpr std::uint8_t most_kind = sizeof(Count) == 1 ? 1 : 2;
         std::uint8_t overflowed = 0, kind = 0;
         std::uint32_t count = 0;
         from.read(overflowed), from.read(count);
@@ -136,7 +150,7 @@ public:
             return false;
         for (tactel_fault fault; count_ < count;) {
             from.read(fault.row), from.read(fault.column), from.read(kind), from.read(fault.since);
-            if (fault.row >= Array.rows || fault.column >= Array.columns || kind > 1 ||
+            if (fault.row >= Array.rows || fault.column >= Array.columns || kind > most_kind ||
                 fault.since > frames || contains(place_of(fault)))
                 return false;
             fault.kind = static_cast<tactel_fault_kind>(kind);
@@ -168,7 +182,7 @@ private:
     }
     void plan_replacements() noexcept {
         for (std::size_t f = 0; f < count_; ++f)
-            replacements_[f] = neighbour_mean<Array>(
+            replacements_[f] = neighbour_mean<Array, Count>(
                 place_of(faults_[f]), [&](std::size_t neighbour) { return contains(neighbour); });
     }
 
@@ -177,7 +191,7 @@ private:
     std::array<bool, Array.size()> faulty_{};
     std::array<tactel_fault, most> faults_{};
     std::array<std::uint8_t, most> sound_frames_{};
-    std::array<neighbour_mean<Array>, most> replacements_{};
+    std::array<neighbour_mean<Array, Count>, most> replacements_{};
 };
 
 } // namespace detail

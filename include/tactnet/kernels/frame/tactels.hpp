@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <span>
 
 // What is computed for every tactel of a frame before a network sees it: of 8-bit counts, or of deeper counts
@@ -103,6 +105,59 @@ template <std::size_t Size>
     return {at_most, Size - at_least};
 }
 
+/// The same of counts and levels in 1/256 count; a difference of less than half a count is none in the tally,
+/// as among whole counts.
+template <std::size_t Size>
+[[nodiscard]] level_tally subtract_levels(const std::uint16_t* counts, const std::uint16_t* levels,
+                                          std::uint8_t offset, std::uint16_t* to) noexcept {
+    constexpr int half = 128;
+    std::uint32_t at_most = 0, below = 0;
+    for (std::size_t i = 0; i < Size; ++i) {
+        const int level = std::min(0xFFFF, levels[i] + offset * 256), above = counts[i] - level;
+        to[i] = static_cast<std::uint16_t>(std::max(above, 0));
+        at_most += static_cast<std::uint32_t>(above <= half);
+        below += static_cast<std::uint32_t>(above < -half);
+    }
+    return {at_most, below};
+}
+
+/// Writes (count - untouched) * factor of `Size` counts, rounded and clamped to 16 bits. Counts that are
+/// `broken`, NaN or infinite become 0, with a 1 in `marks`, others have a 0 there. Returns whether there is
+/// any.
+template <std::size_t Size, class Count>
+[[nodiscard]] bool quantise(const Count* counts, float factor, float untouched, float broken,
+                            std::uint16_t* to, std::uint16_t* marks) noexcept {
+    constexpr std::size_t width = max_integer_lanes;
+    using floats = float_vec<width>;
+    using words = typename detail::compiler_vector<std::uint16_t, width>::type;
+    int32_vec<width> any{};
+    const auto take = [&](std::size_t i, std::size_t elements) {
+        typename detail::compiler_vector<Count, width>::type loaded{};
+        std::memcpy(&loaded, counts + i, elements * sizeof(Count));
+        const floats count = __builtin_convertvector(loaded, floats);
+        const auto magnitude =
+            reinterpret_cast<int32_vec<width>>(count) & 0x7FFFFFFF; // of NaN, above infinity's
+        const int32_vec<width> marked = (magnitude >= 0x7F800000) | (count == broken);
+        floats scaled = marked ? floats{} : (count - untouched) * factor + 0.5f;
+        scaled = scaled > 0.0f ? scaled : floats{};
+        scaled = scaled < 65535.0f ? scaled : floats{} + 65535.0f;
+        const auto rounded =
+            __builtin_convertvector(__builtin_convertvector(scaled, int32_vec<width>), words);
+        const auto mark = __builtin_convertvector(marked & 1, words);
+        std::memcpy(to + i, &rounded, elements * sizeof(std::uint16_t));
+        std::memcpy(marks + i, &mark, elements * sizeof(std::uint16_t));
+        any |= marked;
+    };
+    for (std::size_t i = 0; i + width <= Size; i += width)
+        take(i, width);
+    if constexpr (Size % width > 0)
+        take(Size / width * width, Size % width);
+    std::int32_t all = 0;
+    for (std::size_t lane = 0; lane < width; ++lane)
+        all |= any[lane];
+    return all != 0;
+}
+
 /// How many of `Size` counts are at least `pressed`, and the sum of these.
 struct pressed_tally {
     std::uint32_t area = 0, force = 0;
@@ -133,6 +188,32 @@ template <std::size_t Size>
         tally.area += detail::sum_lanes(detail::sum_pairs(area));
         tally.force += detail::sum_lanes(force);
     }
+    return tally;
+}
+
+/// The same of fractions of counts, with their sum rounded.
+template <std::size_t Size>
+[[nodiscard]] pressed_tally tally_pressed(const float* counts, std::uint8_t pressed) noexcept {
+    constexpr std::size_t lanes = 16; // added up apart, for vectors
+    std::array<float, lanes> force{};
+    std::array<std::uint32_t, lanes> area{};
+    const auto take = [&](std::size_t i, std::size_t lane) {
+        const bool is_pressed = counts[i] >= pressed;
+        area[lane] += static_cast<std::uint32_t>(is_pressed);
+        force[lane] += is_pressed ? counts[i] : 0.0f;
+    };
+    for (std::size_t i = 0; i + lanes <= Size; i += lanes)
+        for (std::size_t lane = 0; lane < lanes; ++lane)
+            take(i + lane, lane);
+    for (std::size_t i = Size / lanes * lanes; i < Size; ++i)
+        take(i, i % lanes);
+    double sum = 0;
+    pressed_tally tally;
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+        tally.area += area[lane];
+        sum += static_cast<double>(force[lane]);
+    }
+    tally.force = static_cast<std::uint32_t>(sum + 0.5);
     return tally;
 }
 
