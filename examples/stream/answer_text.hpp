@@ -24,10 +24,6 @@ inline std::string formatted(const char* format, double value) {
     return text.data();
 }
 
-inline const char* name_of(tactnet::tactel_fault_kind kind) {
-    return kind == tactnet::tactel_fault_kind::stuck ? "stuck" : "dead";
-}
-
 /// Number, label, probability and microseconds, with tabs between them; where air was learnt, area and the
 /// number of faulty tactels stand before the microseconds. In air the label is "-".
 inline std::string line_of(const answer& a, const std::vector<std::string>& classes) {
@@ -55,8 +51,8 @@ inline std::string json_line_of(const answer& a, const std::vector<std::string>&
         for (const tactnet::tactel_fault& fault : a.faults)
             line += std::string(&fault == a.faults.data() ? "" : ",") +
                     "{\"row\":" + std::to_string(fault.row) + ",\"column\":" + std::to_string(fault.column) +
-                    ",\"kind\":\"" + name_of(fault.kind) + "\",\"since\":" + std::to_string(fault.since) +
-                    '}';
+                    ",\"kind\":\"" + std::string(name_of(fault.kind)) +
+                    "\",\"since\":" + std::to_string(fault.since) + '}';
         line += ']';
     }
     return line + ",\"microseconds\":" + formatted("%.1f", a.microseconds) + "}\n";
