@@ -7,8 +7,11 @@
 #include "../support/measure.hpp"
 
 #include <tactnet/io/read_file.hpp>
+#include <tactnet/sensors/described/matrix_stream.hpp>
+#include <tactnet/sensors/described/text_stream.hpp>
 #include <tactnet/sensors/recording.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +21,7 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace {
 
@@ -90,6 +94,45 @@ sample make_binary(std::size_t frames, bool dense) {
     return s;
 }
 
+/// Packets of 28 × 50 cells, and lines of as many numbers.
+tactnet::sensor_description packet_description(tactnet::cell_type cell, tactnet::checksum_kind checksum) {
+    return {.rows = 28,
+            .columns = 50,
+            .cell = cell,
+            .marker = {std::byte{0xAA}, std::byte{0x55}},
+            .checksum = {.kind = checksum}};
+}
+sample make_packets(const tactnet::sensor_description& description, std::size_t frames) {
+    sample s;
+    for (std::size_t f = 1; f <= frames; ++f) {
+        std::string packet = "\xAA\x55";
+        for (std::size_t cell = 0; cell < description.cells(); ++cell) {
+            const std::uint32_t value = std::min(count_at(f, cell / 50, cell % 50), 100U);
+            packet += static_cast<char>(value);
+            packet.append(description.cell_size() - 1, '\0');
+            s.sum += static_cast<double>(value);
+        }
+        const auto sum = tactnet::checksum_of(description.checksum)(std::as_bytes(std::span(packet)));
+        if (description.checksum.bytes() == 2)
+            (packet += static_cast<char>(sum & 255U)) += static_cast<char>(sum >> 8U);
+        s.bytes += packet;
+        s.cells += static_cast<double>(description.cells());
+    }
+    return s;
+}
+sample make_lines(std::size_t frames, unsigned scale) {
+    sample s;
+    for (std::size_t f = 1; f <= frames; ++f) {
+        for (std::size_t cell = 0; cell < 28 * 50; ++cell) {
+            const std::uint32_t value = scale * count_at(f, cell / 50, cell % 50) + scale - 1;
+            s.bytes += std::to_string(value) + (cell + 1 < 28 * 50 ? "," : "\n");
+            s.sum += static_cast<double>(value);
+        }
+        s.cells += 28 * 50;
+    }
+    return s;
+}
+
 /// Of whole numbers, so exact in any order: side by side, or the check would cost more than what it checks.
 double sum_of(std::span<const float> cells) {
     std::array<float, 32> sums{};
@@ -105,9 +148,9 @@ double sum_of(std::span<const float> cells) {
     return sum;
 }
 
-template <class Decoder>
-double sum_with(std::string_view bytes) {
-    Decoder decoder;
+template <class Decoder, class... Arguments>
+double sum_with(std::string_view bytes, const Arguments&... arguments) {
+    Decoder decoder(arguments...);
     double sum = 0;
     const auto add = [&](const tactnet::frame_view& frame) { sum += sum_of(frame.cells); };
     decoder.push(std::as_bytes(std::span(bytes)), add);
@@ -159,7 +202,8 @@ void print(const char* name, const sample& s, double seconds) {
 
 int main(int count, char** arguments) {
     const sample text = make_text(8000), sparse = make_binary(20'000, false), dense = make_binary(4000, true);
-    const double ours = fastest(text, sum_with<tactnet::tekscan_ascii>);
+    const double ours =
+        fastest(text, [](std::string_view bytes) { return sum_with<tactnet::tekscan_ascii>(bytes); });
     const sample less = make_text(800);
     const double stream = fastest(less, sum_with_stream);
     print("text recording", text, ours);
@@ -167,15 +211,38 @@ int main(int count, char** arguments) {
     std::printf("%-34s %10.1f times\n", "faster",
                 stream / static_cast<double>(less.bytes.size()) /
                     (ours / static_cast<double>(text.bytes.size())));
-    print("binary recording, few touched cells", sparse, fastest(sparse, sum_with<tactnet::tekscan_binary>));
-    print("binary recording, all cells", dense, fastest(dense, sum_with<tactnet::tekscan_binary>));
+    print("binary recording, few touched cells", sparse,
+          fastest(sparse, [](std::string_view bytes) { return sum_with<tactnet::tekscan_binary>(bytes); }));
+    print("binary recording, all cells", dense,
+          fastest(dense, [](std::string_view bytes) { return sum_with<tactnet::tekscan_binary>(bytes); }));
+    using enum tactnet::cell_type;
+    using enum tactnet::checksum_kind;
+    for (const auto& [name, description] :
+         {std::pair("packets of bytes", packet_description(uint8, none)),
+          std::pair("packets of 16 bits", packet_description(uint16, none)),
+          std::pair("packets of 32 bits", packet_description(uint32, none)),
+          std::pair("packets of bytes, CRC-16", packet_description(uint8, crc16))}) {
+        const sample packets = make_packets(description, 20'000);
+        print(name, packets, fastest(packets, [&](std::string_view bytes) {
+                  return sum_with<tactnet::matrix_stream>(bytes, description);
+              }));
+    }
+    const tactnet::sensor_description numbers{.rows = 28, .columns = 50, .cell = tactnet::cell_type::digits};
+    for (const auto& [name, scale] :
+         {std::pair("lines of few digits", 1U), std::pair("lines of four digits", 1000U)}) {
+        const sample lines = make_lines(8000, scale);
+        print(name, lines, fastest(lines, [&](std::string_view bytes) {
+                  return sum_with<tactnet::text_stream>(bytes, numbers);
+              }));
+    }
     for (int i = 1; i < count; ++i) {
         const auto bytes = tactnet::read_file(arguments[i]);
         sample file{{reinterpret_cast<const char*>(bytes.data()), bytes.size()}, 0, 0};
         const auto whole = tactnet::decode_all(tactnet::any_recording(), bytes);
         file.cells = static_cast<double>(whole.size() * whole.description.cells());
         file.sum = sum_with<tactnet::any_recording>(file.bytes);
-        print(arguments[i], file, fastest(file, sum_with<tactnet::any_recording>));
+        print(arguments[i], file,
+              fastest(file, [](std::string_view all) { return sum_with<tactnet::any_recording>(all); }));
     }
     if (!all_right)
         std::printf("WRONG sums\n");

@@ -7,6 +7,7 @@
 #include <tactnet/sensors/described/description.hpp>
 #include <tactnet/sensors/described/description_file.hpp>
 #include <tactnet/sensors/described/matrix_stream.hpp>
+#include <tactnet/sensors/described/text_stream.hpp>
 #include <tactnet/sensors/frame.hpp>
 #include <tactnet/sensors/recording.hpp>
 #include <tactnet/sensors/tekscan/ascii.hpp>

@@ -103,14 +103,21 @@ public:
 
     /// The count of a value, NaN for a broken cell. Returns false if it is none.
     [[nodiscard]] bool count(double value, float& to) const noexcept {
+        constexpr auto largest = static_cast<double>(std::numeric_limits<float>::max());
+        const double count = sign_ * (value - offset_);
+        if (!checks_ && count >= 0 && count <= largest) {
+            to = static_cast<float>(count);
+            return true;
+        }
         if (value > above_ || std::find(broken_.begin(), broken_.end(), value) != broken_.end() ||
             (std::isnan(value) && nan_is_broken_)) {
             to = std::numeric_limits<float>::quiet_NaN();
             return true;
         }
-        const double count = sign_ * (value - offset_);
+        if (!(count <= largest) || (count < 0 && (!clamps_ || std::isinf(value))))
+            return false;
         to = static_cast<float>(count < 0 ? 0 : count);
-        return std::isfinite(to) && (count >= 0 || clamps_);
+        return true;
     }
 
 private:
