@@ -218,18 +218,18 @@ TEST_CASE("scene: a pressing that cannot be leaves the array untouched, and is n
     const auto check = [](auto touched) {
         typename decltype(touched)::frames result;
         std::ranges::fill(result.measured, 1.0f);
-        const pressing some = pressing::to_force(1);
         for (const pressing& press :
-             {pressing::to_force(none), pressing::to_depth(none), pressing{some.until, 1, 0},
-              pressing{some.until, 1, -1}, pressing{some.until, 1, none}, pressing{some.until, 1, 1e5, -1},
-              pressing{some.until, 1, 1e5, none}, pressing{some.until, 1, 1e5, endless},
-              pressing{some.until, 1, 1e-310}, pressing::to_force(endless), pressing::to_depth(endless)}) {
+             {pressing::to_force(none), pressing::to_depth(none), pressing{pressing::goal::force, 1, 0},
+              pressing{pressing::goal::force, 1, -1}, pressing{pressing::goal::force, 1, none},
+              pressing{pressing::goal::force, 1, 1e5, -1}, pressing{pressing::goal::force, 1, 1e5, none},
+              pressing{pressing::goal::force, 1, 1e5, endless}, pressing{pressing::goal::force, 1, 1e-310},
+              pressing::to_force(endless), pressing::to_depth(endless)}) {
             simulate(touched, touch{ball.shape, {}, press}, {}, result);
             CHECK(!result.contact.converged);
             CHECK(result.contact.force == 0);
             CHECK(std::ranges::all_of(result.measured, [](float pressure) { return pressure == 0; }));
         }
-        simulate(touched, touch{ball.shape, {}, pressing{some.until, 1, 1e5, 0}}, {}, result);
+        simulate(touched, touch{ball.shape, {}, pressing{pressing::goal::force, 1, 1e5, 0}}, {}, result);
         CHECK(result.contact.converged);
         CHECK(result.contact.force == doctest::Approx(1).epsilon(1e-3));
     };

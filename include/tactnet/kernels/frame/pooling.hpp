@@ -55,8 +55,8 @@ template <pooling_windows Windows, std::size_t Stride, class Vector, class T>
     using pixels = pixel_access<Vector>;
     constexpr std::size_t width = sizeof(Vector) / sizeof(T), kernel_rows = Windows.rows.kernel,
                           kernel = Windows.columns.kernel, stride = Windows.columns.stride,
-                          shared = kernel > stride ? kernel - stride : 0, size = Windows.columns.size,
-                          outputs = Windows.columns.outputs, before = Windows.columns.before;
+                          size = Windows.columns.size, outputs = Windows.columns.outputs,
+                          before = Windows.columns.before;
     // Windows first … end − 1 of a row are not cut at the left or the right.
     constexpr std::size_t first = std::min(ceil_div(before, stride), outputs),
                           whole = size + before < kernel ? 0 : (size + before - kernel) / stride + 1,
@@ -102,12 +102,12 @@ template <pooling_windows Windows, std::size_t Stride, class Vector, class T>
             const std::size_t divisor = Windows.divisor(y, first);
             std::array<block, kernel> columns;
 #pragma GCC unroll 8
-            for (std::size_t c = 0; c < shared; ++c)
+            for (std::size_t c = 0; c + stride < kernel; ++c) // what the next window shares with this one
                 columns[stride + c] = column(first * stride - before + c);
             for (std::size_t x = first; x < end; ++x) {
 #pragma GCC unroll 8
                 for (std::size_t c = 0; c < kernel; ++c)
-                    columns[c] = c < shared ? columns[stride + c] : column(x * stride - before + c);
+                    columns[c] = c + stride < kernel ? columns[stride + c] : column(x * stride - before + c);
                 block value = columns[0];
 #pragma GCC unroll 8
                 for (std::size_t c = 1; c < kernel; ++c)

@@ -107,7 +107,7 @@ template <class Axis, std::size_t Columns, std::size_t FromStride, std::size_t T
             });
         };
         // Neighbours that use the same inputs are computed together, so that these are loaded once.
-        constexpr std::size_t most = vector_registers / 2 / Axis::taps;
+        constexpr std::size_t most = std::min<std::size_t>(vector_registers / 2 / Axis::taps, Axis::outputs);
         for (std::size_t o = 0; o < Axis::outputs;)
             if (detail::outputs_alike<Axis>(o, most) == most)
                 together(constant<most>{}, o), o += most;
