@@ -18,12 +18,14 @@
 #include <string_view>
 #include <support/error_of.hpp>
 #include <support/files/temporary_folder.hpp>
-#include <sys/wait.h>
 #include <thread>
 #include <type_traits>
-#include <unistd.h>
 #include <vector>
 
+#if defined(__unix__) || defined(__APPLE__)
+#include <sys/wait.h>
+#include <unistd.h>
+#endif
 #if defined(__linux__)
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -103,14 +105,14 @@ TEST_CASE("write_file: writing: each failure has its sentence and leaves nothing
     const support::temporary_folder folder;
     const std::string_view text = "text";
     CHECK(error_of([&] { write_file(folder.path(), text); }).find("found a folder") != std::string::npos);
-    CHECK(error_of([&] {
-              write_file(folder / "missing" / "file", text);
-          }).find("missing/file: expected a folder to write in, found 'No such file or directory'") !=
-          std::string::npos);
+    const std::filesystem::path missing = folder / "missing" / "file";
+    CHECK(error_of([&] { write_file(missing, text); }) ==
+          missing.string() + ": expected a folder to write in, found 'No such file or directory'");
     CHECK(error_of([&] { write_file("", text); }) != "no error");
     CHECK(entries_in(folder.path()) == 0);
 }
 
+#if defined(__unix__) || defined(__APPLE__)
 TEST_CASE("write_file: permissions of a replaced file are kept, and links are followed") {
     using std::filesystem::perms;
     const support::temporary_folder folder;
@@ -123,6 +125,7 @@ TEST_CASE("write_file: permissions of a replaced file are kept, and links are fo
     CHECK(text_of(folder / "file") == "new");
     CHECK(std::filesystem::status(folder / "file").permissions() == (perms::owner_read | perms::owner_write));
 }
+#endif
 
 #if defined(__linux__)
 TEST_CASE("write_file: devices are read up to the bound and written to, not replaced") {
@@ -176,9 +179,10 @@ TEST_CASE("read_file: each failure has its message") {
 
 TEST_CASE("read_file: a file is named by text of any type or by a path") {
     const support::temporary_folder folder;
-    const std::filesystem::path path = folder / "näme";
+    const std::filesystem::path path = folder / std::filesystem::path(u8"näme");
     write_file(path, std::string_view("12345"));
-    const std::string name = path.string();
+    const std::u8string text = path.u8string();
+    const std::string name(text.begin(), text.end());
     CHECK(read_file(path).size() == 5);
     CHECK(read_file(name).size() == 5);
     CHECK(read_file(name.c_str()).size() == 5);
@@ -241,6 +245,7 @@ TEST_CASE("is_partial_file_name: those of write_file, and no others") {
         CHECK_MESSAGE(!tactnet::is_partial_file_name(other), other);
 }
 
+#if defined(__unix__) || defined(__APPLE__) // elsewhere files have no locks, and all stay
 TEST_CASE("remove_abandoned_files: what a killed writer left goes, what is being written stays") {
     const support::temporary_folder folder;
     for (const char* name : {".tactnet-12-0.partial", ".tactnet-12-1.partial", ".tactnet-notes", "net"})
@@ -278,6 +283,7 @@ TEST_CASE("remove_abandoned_files: what a killed writer left goes, what is being
     close(made[0]);
     close(made[1]);
 }
+#endif
 
 TEST_CASE("remove_abandoned_files: no file of a concurrent writer is lost") {
     const support::temporary_folder folder;

@@ -3,6 +3,10 @@
 #include <new>
 #include <support/allocations.hpp>
 
+#if defined(_WIN32)
+#include <malloc.h>
+#endif
+
 namespace {
 
 std::atomic<std::size_t> count{0}, bytes{0};
@@ -12,7 +16,18 @@ void* try_to_allocate(std::size_t size, std::size_t alignment) noexcept {
     count.fetch_add(1, std::memory_order_relaxed);
     bytes.fetch_add(size, std::memory_order_relaxed);
     const std::size_t whole = (size / alignment + 1) * alignment; // as aligned_alloc asks
+#if defined(_WIN32)
+    return _aligned_malloc(whole, alignment);
+#else
     return std::aligned_alloc(alignment, whole);
+#endif
+}
+void release(void* memory) noexcept {
+#if defined(_WIN32)
+    _aligned_free(memory);
+#else
+    std::free(memory);
+#endif
 }
 void* allocate(std::size_t size, std::size_t alignment) {
     if (void* const memory = try_to_allocate(size, alignment))
@@ -45,14 +60,14 @@ void* operator new(std::size_t size, std::align_val_t alignment, const std::noth
     return try_to_allocate(size, static_cast<std::size_t>(alignment));
 }
 void operator delete(void* memory) noexcept {
-    std::free(memory);
+    release(memory);
 }
 void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
+    release(memory);
 }
 void operator delete(void* memory, std::align_val_t) noexcept {
-    std::free(memory);
+    release(memory);
 }
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-    std::free(memory);
+    release(memory);
 }

@@ -10,6 +10,8 @@
 #include <utility>
 #else
 #include <filesystem>
+#include <string>
+#include <string_view>
 #endif
 
 namespace tactnet { inline namespace TACTNET_ARCH {
@@ -39,8 +41,20 @@ private:
 
 #else
 
-/// The name of a file to read.
-using file_name = std::filesystem::path;
+/// The name of a file to read, from UTF-8 text or from a path. Windows has names of wide characters, and its
+/// libraries differ in what they make of others.
+class file_name : public std::filesystem::path {
+public:
+    file_name(const char* name) : file_name(std::string_view(name)) {}
+    file_name(std::string_view name) : path(std::u8string(name.begin(), name.end())) {}
+    file_name(const std::string& name) : file_name(std::string_view(name)) {}
+    file_name(const std::filesystem::path& name) : path(name) {}
+
+    [[nodiscard]] std::string string() const {
+        const std::u8string name = u8string();
+        return {name.begin(), name.end()};
+    }
+};
 
 #endif
 
