@@ -18,6 +18,7 @@
 #include <string>
 #include <support/allocations.hpp>
 #include <support/error_of.hpp>
+#include <support/summed.hpp>
 #include <vector>
 
 using namespace tactnet;
@@ -285,18 +286,6 @@ TEST_CASE("fit_discriminant: no map of numbers that are not finite") {
     CHECK(error_of(scaled(1e36), training.labels, classes) == "no error");
 }
 
-namespace {
-
-/// A state with the checksum that its other bytes have.
-template <std::size_t Bytes>
-std::array<std::byte, Bytes> summed(std::array<std::byte, Bytes> state) {
-    const std::uint64_t sum = xxh64().update(std::span(state).first(Bytes - 8)).digest();
-    std::memcpy(state.data() + Bytes - 8, &sum, sizeof(sum));
-    return state;
-}
-
-} // namespace
-
 TEST_CASE("class_means: what was saved is known after a restart, and nothing else is taken") {
     using means = class_means<3, 4>;
     means before, after;
@@ -326,7 +315,7 @@ TEST_CASE("class_means: what was saved is known after a restart, and nothing els
     const auto wrong = [&](std::size_t place, auto number) {
         auto bytes = state;
         std::memcpy(bytes.data() + place, &number, sizeof(number));
-        return summed(bytes);
+        return support::summed(bytes);
     };
     for (const double mean : {double(NAN), double(INFINITY), 1e39, -1e39})
         CHECK(after.restore(wrong(first_mean, mean)) == restore_status::damaged);
@@ -377,7 +366,7 @@ TEST_CASE("discriminant: what was saved is read by another program, and nothing 
     for (const std::size_t place : {16UL, 16UL + 7 * 4}) { // the first number and the last one
         auto wrong = state;
         std::fill_n(wrong.begin() + static_cast<std::ptrdiff_t>(place), 4, std::byte{0xFF});
-        CHECK(after.restore(summed(wrong)) == restore_status::damaged);
+        CHECK(after.restore(support::summed(wrong)) == restore_status::damaged);
     }
     CHECK(after.directions == before.directions);
 }

@@ -8,6 +8,7 @@
 #include <random>
 #include <span>
 #include <support/allocations.hpp>
+#include <support/summed.hpp>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -404,13 +405,7 @@ TEST_CASE("sensor_health: a state that is damaged, cut or of another array chang
         CHECK(found == (byte < 16 ? restore_status::other_state : restore_status::damaged));
     }
     // Numbers that no state has, under a right checksum.
-    const auto summed = [](auto bytes) {
-        const std::uint64_t sum = xxh64().update(std::span(bytes).first(bytes.size() - 8)).digest();
-        for (std::size_t i = 0; i < 8; ++i)
-            bytes[bytes.size() - 8 + i] = static_cast<std::byte>(sum >> 8 * i & 0xFF);
-        return bytes;
-    };
-    CHECK(other.restore(summed(state)) == restore_status::ok);
+    CHECK(other.restore(support::summed(state)) == restore_status::ok);
     CHECK(other.restore(kept) == restore_status::ok);
     const std::size_t faults = 16 + 13 + 2 * array.size(); // overflowed, count, then 13 bytes for each
     // Of the list of faults; and more frames learnt than count, a level above a byte, an overflow without
@@ -433,13 +428,13 @@ TEST_CASE("sensor_health: a state that is damaged, cut or of another array chang
             wrong[place + 2] = std::byte{4};
         const std::size_t changed = place; // Clang 14 captures no structured binding
         CAPTURE(changed);
-        CHECK(other.restore(summed(wrong)) == restore_status::damaged);
+        CHECK(other.restore(support::summed(wrong)) == restore_status::damaged);
     }
     CHECK(other.save() == kept);
     // As many frames as can be counted: what is saved after more of them is restored, too.
     auto most = state;
     std::fill_n(most.begin() + 20, 8, std::byte{0xFF});
-    REQUIRE(saved.restore(summed(most)) == restore_status::ok);
+    REQUIRE(saved.restore(support::summed(most)) == restore_status::ok);
     (void)cleaned(saved, frame{});
     CHECK(other.restore(saved.save()) == restore_status::ok);
     CHECK(describe(restore_status::damaged) == "expected the bytes that were saved, found damage");
