@@ -319,8 +319,11 @@ def join_gates():
 def recurrent_gru():
     b = Builder(1, 11, 3)
     x = b("Transpose", "x", perm=[1, 0, 2])
-    _, last = b("GRU", x, b.draw(1, 15, 3), b.draw(1, 15, 5), b.draw(1, 30), outputs=2, hidden_size=5, linear_before_reset=1)
-    return b.model(b.gemm(b("Squeeze", last, [0]), 5, 3))
+    every, last = b("GRU", x, b.draw(1, 15, 3), b.draw(1, 15, 5), b.draw(1, 30), outputs=2, hidden_size=5, linear_before_reset=1)
+    gemm = [b.draw(3, 5), b.draw(3)]
+    # The states of two layers, of which one is read, as PyTorch writes it.
+    _, other = b("LSTM", b("Squeeze", every, [1]), b.draw(1, 20, 5), b.draw(1, 20, 5), outputs=2, hidden_size=5)
+    return b.model(b("Gemm", b("Gather", b("Concat", last, other, axis=0), b.constant(0), axis=0), *gemm, transB=1))
 
 
 @model(scale=1 / 255)

@@ -132,7 +132,7 @@ public:
 private:
     template <class Fill>
     std::string constant(std::initializer_list<std::size_t> sizes, std::uint64_t type, const Fill& fill) {
-        const std::string name = next();
+        std::string name = next();
         onnx_message tensor;
         tensor.numbers(1, {sizes.begin(), sizes.size()}).number(2, type);
         fill(tensor);

@@ -51,7 +51,8 @@ class Network:
         self.multiply_adds = sum(layer.multiply_adds for layer in self.all_layers())
         self.frames = numpy.random.default_rng(1).integers(0, 256, (frames, *extents), numpy.uint8)
         self._test(scale, mean, end, walked.logits)
-        given = classes or walked.classes
+        stored = [entry.value.split("\n") for entry in model.metadata_props if entry.key == "classes"]
+        given = classes or walked.classes or (stored[0] if stored and len(stored[0]) == end.size else None)
         self.classes = list(given or [f"class_{i:02}" for i in range(end.size)])
         if len(self.classes) != end.size or len(set(self.classes)) != end.size or not all(self.classes):
             raise CannotImport(f"expected {end.size} different names of classes, found {', '.join(self.classes[:9])}")

@@ -50,6 +50,11 @@ class Walk:
         if found:
             layers, here = self.path(found[0], start, at)
             return layers + [found[1](here)], Map(here.shape, here.places)
+        chosen = self._part_of_concat(name, node)
+        if chosen:
+            source, places = chosen
+            layers, here = self.path(source, start, at)
+            return layers, Map(here.shape, places(here.places))
         inputs = graph.data_inputs(node)
         if len(set(inputs)) > 1 or node.op in ("Concat",):
             join = operators.JOINS.get(node.op)
@@ -62,6 +67,25 @@ class Walk:
         if here.places.shape != graph.shapes[name] and name not in self.pads:
             node.fail(f"its output has the extents {list(graph.shapes[name])}, and that of the layer {list(here.places.shape)}")
         return layers + extra, here
+
+    def _part_of_concat(self, name, node):
+        """Of a node that takes elements of a concatenation, all from one tensor: that tensor, and which of its places. So PyTorch takes
+        the state of the last of several recurrent layers."""
+        graph = self.graph
+        concat = graph.producers.get(node.inputs[0]) if node.op in ("Gather", "Slice", "Split", "Squeeze") else None
+        if concat is None or concat.op != "Concat":
+            return None
+
+        def taken(fill):
+            values = {**graph.constants, **{tensor: fill(i, graph.shapes[tensor]) for i, tensor in enumerate(concat.inputs)}}
+            graph.compute(concat, values)
+            graph.compute(node, values)
+            return values[name]
+        parts = numpy.unique(taken(lambda i, shape: numpy.full(shape, i)))
+        source = concat.inputs[int(parts[0])]
+        if parts.size != 1 or source in graph.constants or concat.inputs.count(source) > 1:
+            return None
+        return source, lambda places: taken(lambda i, shape: places if concat.inputs[i] == source else numpy.full(shape, -1))
 
     def branches(self, names, start, at):
         """The layers up to where branches part, the map there, and the layers and maps of each branch."""
