@@ -172,7 +172,7 @@ void time_other_methods(layer_report& layer, const float* in, float* out) {
     kernels::convolution_methods<C>::for_each_applicable(
         [&]<class Method>(std::type_identity<Method> method) {
             layer.costs += (layer.costs.empty() ? "" : ", ") + method_text<Method>() + " " +
-                           std::to_string(Method::cost);
+                           std::to_string(Method::product_twentieths);
             if constexpr (!Step::layerwise)
                 time(method);
         });

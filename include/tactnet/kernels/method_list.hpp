@@ -13,9 +13,9 @@
 // members:
 //   name                what benchmarks print
 //   applicable          whether it can compute this description and is worthwhile at its sizes
-//   cost                estimated work; read only if applicable. The unit is that of its list: in frame/ a
-//                       twentieth of a multiply-add of a vector, in integer/ an instruction on a vector,
-//                       in batch/ half a multiply-add of a lane block
+//   its estimated work, read only if applicable, in the unit of its list: in frame/ product_twentieths of a
+//                       multiply-add of a vector, in integer/ vector_instructions, in batch/ half_products,
+//                       of a multiply-add of a lane block
 //   packed_elements     of weights and biases in the order of use, whole cache lines
 //   workspace_elements  of memory while it runs, whole cache lines
 //   pack, run           from folded to packed weights; from one map to the next
@@ -27,10 +27,14 @@ namespace detail {
 
 template <class Method>
 [[nodiscard]] constexpr std::uint64_t cost_of_method() {
-    if constexpr (Method::applicable)
-        return Method::cost;
-    else
+    if constexpr (!Method::applicable)
         return std::numeric_limits<std::uint64_t>::max();
+    else if constexpr (requires { Method::product_twentieths; })
+        return Method::product_twentieths;
+    else if constexpr (requires { Method::vector_instructions; })
+        return Method::vector_instructions;
+    else
+        return Method::half_products;
 }
 template <class First, class... Rest>
 struct cheapest_method {

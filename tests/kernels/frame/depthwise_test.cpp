@@ -70,5 +70,5 @@ TEST_CASE("depthwise_method: as many weights as taps, one multiply-add for each"
     CHECK(convolution_method<c>::packed_elements == 9 * 64 + 64);
     CHECK(convolution_method<c>::workspace_elements == 0);
     // 3 × 3 taps of 14 × 25 pixels, without those on padding.
-    CHECK(convolution_method<c>::cost == 20 * (3 * 14 - 2) * (3 * 25 - 2) * c.vectors());
+    CHECK(convolution_method<c>::product_twentieths == 20 * (3 * 14 - 2) * (3 * 25 - 2) * c.vectors());
 }

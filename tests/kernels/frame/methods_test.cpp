@@ -26,14 +26,14 @@ template <std::size_t Cost, char Letter = 'a'>
 struct method {
     static constexpr char name[]{Letter, '\0'};
     static constexpr bool applicable = true;
-    static constexpr std::size_t cost = Cost;
+    static constexpr std::size_t product_twentieths = Cost;
 };
 /// Its cost must not be read.
 template <class Description>
 struct inapplicable_method {
     static constexpr const char* name = "inapplicable";
     static constexpr bool applicable = false;
-    static constexpr std::size_t cost = Description::missing;
+    static constexpr std::size_t product_twentieths = Description::missing;
 };
 
 } // namespace

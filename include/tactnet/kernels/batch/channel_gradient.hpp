@@ -61,7 +61,7 @@ struct channel_gradient {
     /// Rows of the transposed input that fit into half of the cache, but at least one.
     static constexpr std::size_t tile_rows =
         std::clamp<std::size_t>(cache_bytes / 2 / row_bytes(block_vectors), 1, C.input.rows);
-    static constexpr std::size_t cost = direct_gradient_cost(C, ceil_div(C.output.rows, tile_rows));
+    static constexpr std::size_t half_products = direct_gradient_cost(C, ceil_div(C.output.rows, tile_rows));
     /// Pieces of work write different weights: they may run on different threads. For each block of channels
     /// there are blocks of filters.
     static constexpr std::size_t filter_blocks = ceil_div(C.output.channels, block_filters);

@@ -48,7 +48,7 @@ template <batch_convolution C, class T>
 struct depthwise_lane_method {
     static constexpr const char* name = "depthwise";
     static constexpr bool applicable = C.one_filter_per_channel() && C.spacing == extent2d(1);
-    static constexpr std::size_t cost = direct_cost(C);
+    static constexpr std::size_t half_products = direct_cost(C);
     static constexpr std::size_t packed_elements = C.weights();
     static constexpr std::size_t workspace_elements = 0;
 
@@ -113,7 +113,7 @@ template <batch_convolution C, class T>
 struct depthwise_gradient {
     static constexpr const char* name = "depthwise";
     static constexpr bool applicable = C.one_filter_per_channel() && C.kernel.columns <= max_block_sums;
-    static constexpr std::size_t cost = direct_cost(C);
+    static constexpr std::size_t half_products = direct_cost(C);
     static constexpr std::size_t pieces = C.output.channels; ///< that different threads may compute
     static constexpr std::size_t totals = C.weights();
     static constexpr std::size_t workspace_elements = 0;

@@ -101,7 +101,7 @@ struct direct_lane_method {
     static constexpr const char* name = "direct";
     static constexpr bool applicable = C.groups == 1;
     /// In halves of a multiply-add.
-    static constexpr std::size_t cost = direct_cost(C);
+    static constexpr std::size_t half_products = direct_cost(C);
     static constexpr std::size_t packed_elements = C.weights();
     static constexpr std::size_t workspace_elements = 0;
 

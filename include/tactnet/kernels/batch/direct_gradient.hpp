@@ -125,7 +125,7 @@ struct direct_gradient {
     static constexpr std::size_t filters =
         std::min({std::max<std::size_t>(max_block_sums / taps, 1), std::size_t{8}, C.output.channels});
     static constexpr std::size_t tile_rows = gradient_tile_rows<T>(C, filters);
-    static constexpr std::size_t cost = direct_gradient_cost(C, ceil_div(C.output.rows, tile_rows));
+    static constexpr std::size_t half_products = direct_gradient_cost(C, ceil_div(C.output.rows, tile_rows));
     /// Pieces of work write different weights: they may run on different threads.
     static constexpr std::size_t pieces = ceil_div(C.output.channels, filters) * C.input.channels;
     static constexpr std::size_t totals = C.weights();

@@ -48,7 +48,7 @@ struct separate_groups_lane_method<C, T> {
     using method = lane_convolution<C.one_group(), T>;
     static constexpr const char* name = "separate groups";
     static constexpr bool applicable = true;
-    static constexpr std::size_t cost = C.groups * method::cost;
+    static constexpr std::size_t half_products = C.groups * method::half_products;
     static constexpr std::size_t packed_elements = C.groups * method::packed_elements;
     static constexpr std::size_t workspace_elements = method::workspace_elements;
 
@@ -80,7 +80,7 @@ struct separate_groups_gradient<C, T> {
     using method = weight_gradient<C.one_group(), T>;
     static constexpr const char* name = "separate groups";
     static constexpr bool applicable = true;
-    static constexpr std::size_t cost = C.groups * method::cost;
+    static constexpr std::size_t half_products = C.groups * method::half_products;
     static constexpr std::size_t pieces = method::pieces; ///< of each group
     static constexpr std::size_t totals = C.groups * method::totals;
     static constexpr std::size_t workspace_elements = method::workspace_elements;

@@ -109,7 +109,7 @@ template <frame_dense D>
 struct direct_dense_method {
     static constexpr const char* name = "direct";
     static constexpr bool applicable = true, layerwise = false;
-    static constexpr std::uint64_t cost =
+    static constexpr std::uint64_t product_twentieths =
         std::uint64_t{D.inputs()} * D.vectors() * frame_method::product * (D.exceeds_near_caches() ? 16 : 1);
     static constexpr std::size_t output_stride = D.output_stride();
     static constexpr std::size_t packed_weights = pad_to_cache_line(D.weights());

@@ -119,7 +119,7 @@ struct depthwise_method : frame_method {
         return c;
     }();
     /// A copied number counts as half a multiply-add of a vector.
-    static constexpr std::uint64_t cost =
+    static constexpr std::uint64_t product_twentieths =
         C.vector_products() * product + (copied ? C.window.input.area() * C.filters * product / 2 : 0);
     static constexpr std::size_t packed_weights = pad_to_cache_line(C.weights());
     static constexpr std::size_t packed_elements = packed_weights + pad_to_cache_line(C.padded_filters());

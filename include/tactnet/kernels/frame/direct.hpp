@@ -181,7 +181,8 @@ template <frame_convolution C>
 struct direct_method : frame_method {
     static constexpr const char* name = "direct";
     static constexpr bool applicable = C.groups == 1 && C.fits_map();
-    static constexpr std::uint64_t cost = C.vector_products() * direct_product * memory_penalty(C);
+    static constexpr std::uint64_t product_twentieths =
+        C.vector_products() * direct_product * memory_penalty(C);
     static constexpr std::size_t packed_weights = pad_to_cache_line(C.weights());
     static constexpr std::size_t packed_elements = packed_weights + pad_to_cache_line(C.padded_filters());
 

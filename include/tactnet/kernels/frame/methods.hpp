@@ -60,7 +60,7 @@ struct separate_groups_method : frame_method {
     using method = convolution_method<applicable ? C.one_group() : C.ungrouped()>;
     static constexpr extent2d tile = method::tile;
     static constexpr bool layerwise = method::layerwise;
-    static constexpr std::uint64_t cost = C.groups * method::cost;
+    static constexpr std::uint64_t product_twentieths = C.groups * method::product_twentieths;
     static constexpr std::size_t packed_elements = C.groups * method::packed_elements;
     static constexpr std::size_t workspace_elements = method::workspace_elements;
 

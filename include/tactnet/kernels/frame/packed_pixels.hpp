@@ -145,7 +145,8 @@ struct packed_pixels_method : frame_method {
     using plan = packed_pixels<C>;
     static constexpr const char* name = "packed pixels";
     static constexpr bool applicable = plan::applicable;
-    static constexpr std::uint64_t cost = C.vector_products() * product * memory_penalty(C) / plan::pixels;
+    static constexpr std::uint64_t product_twentieths =
+        C.vector_products() * product * memory_penalty(C) / plan::pixels;
     static constexpr std::size_t packed_weights =
         pad_to_cache_line(C.window.kernel.area() * plan::pixels * plan::width);
     static constexpr std::size_t packed_elements =

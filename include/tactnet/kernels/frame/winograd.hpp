@@ -163,7 +163,8 @@ struct winograd_method : frame_method {
     static constexpr bool applicable = C.groups == 1 && C.fits_map() && Outputs != extent2d(0);
     static constexpr extent2d tile = Outputs;
     /// The least cost for which tile_costs::to_replace(another cost) is larger than the cost of the tiles.
-    static constexpr std::uint64_t cost = (cost_by_tiles(C, Outputs) * 21 / 20 + 1) * memory_penalty(C);
+    static constexpr std::uint64_t product_twentieths =
+        (cost_by_tiles(C, Outputs) * 21 / 20 + 1) * memory_penalty(C);
     static constexpr std::size_t packed_weights = pad_to_cache_line(
         winograd_tiles<C, Outputs>::elements * C.window.input.channels * C.padded_filters());
     static constexpr std::size_t packed_elements = packed_weights + pad_to_cache_line(C.padded_filters());

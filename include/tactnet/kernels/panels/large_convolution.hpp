@@ -116,7 +116,7 @@ struct panel_method : frame_method {
         large_convolution::fits(C) && C.exceeds_near_caches() && !short_products;
     static constexpr bool layerwise = true;
     static constexpr extent2d tile = plan.tiles.outputs;
-    static constexpr std::uint64_t cost = plan.cost();
+    static constexpr std::uint64_t product_twentieths = plan.cost();
     static constexpr std::size_t packed_weights = pad_to_cache_line(plan.weights());
     static constexpr std::size_t packed_elements = packed_weights + pad_to_cache_line(C.padded_filters());
     static constexpr std::size_t workspace_elements = plan.workspace();

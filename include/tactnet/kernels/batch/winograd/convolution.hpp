@@ -114,7 +114,7 @@ struct winograd_lane_method {
     static constexpr const char* name = "winograd";
     static constexpr extent2d tile = Outputs; ///< outputs of a tile
     static constexpr bool applicable = tile != extent2d(0) && winograd_possible(C, tile);
-    static constexpr std::size_t cost = winograd_cost(C, tile);
+    static constexpr std::size_t half_products = winograd_cost(C, tile);
 
     static constexpr tile_grid tiles = tile_grid::of(C, applicable ? tile : extent2d(2));
     static constexpr std::size_t elements = tiles.elements(); ///< of an input tile

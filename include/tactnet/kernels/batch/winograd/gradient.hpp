@@ -76,7 +76,7 @@ template <extent2d Side, std::size_t Kernel, class T>
 template <batch_convolution C, class T>
 [[nodiscard]] constexpr extent2d best_gradient_tile() {
     if constexpr (winograd_possible(C, 2))
-        return cheapest_tile(C, tap_gradient<C, T>::cost, winograd_gradient_possible<T>,
+        return cheapest_tile(C, tap_gradient<C, T>::half_products, winograd_gradient_possible<T>,
                              winograd_gradient_cost<T>);
     else
         return 0;
@@ -88,7 +88,7 @@ struct winograd_gradient {
     static constexpr const char* name = "winograd";
     static constexpr extent2d tile = Outputs; ///< outputs of a tile
     static constexpr bool applicable = tile != extent2d(0) && winograd_gradient_possible<T>(C, tile);
-    static constexpr std::size_t cost = winograd_gradient_cost<T>(C, tile);
+    static constexpr std::size_t half_products = winograd_gradient_cost<T>(C, tile);
 
     static constexpr tile_grid tiles = tile_grid::of(C, tile);
     static constexpr std::size_t elements = tiles.elements(); ///< of an input tile

@@ -91,7 +91,8 @@ struct dense_integer_method {
         C.window.kernel.columns == C.window.input.columns && C.window.output_rows() == 1 &&
         C.window.output_columns() == 1 && C.window.top == 0 && C.window.left == 0;
     /// Instructions for products and for adding lanes.
-    static constexpr std::size_t cost = C.filters * ceil_div(bytes, step) + 4 * round_up(C.filters, lanes);
+    static constexpr std::size_t vector_instructions =
+        C.filters * ceil_div(bytes, step) + 4 * round_up(C.filters, lanes);
     static constexpr std::size_t packed_elements = C.filters * round_up(bytes, step),
                                  workspace_elements = pad_to_cache_line<std::uint8_t>(
                                      (C.filters + round_up(block, lanes)) * sizeof(std::int32_t));

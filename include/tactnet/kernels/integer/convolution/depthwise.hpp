@@ -164,7 +164,7 @@ struct depthwise_integer_method {
     static constexpr const char* name = "depthwise";
     static constexpr bool applicable = C.is_depthwise() && C.filters == C.groups &&
                                        std::is_same_v<Input, std::uint8_t> && max_integer_lanes > 1;
-    static constexpr std::size_t cost =
+    static constexpr std::size_t vector_instructions =
         layout::band_cost(layout::band) * layout::blocks * ceil_div(C.rows(), layout::band);
     static constexpr std::size_t packed_elements = layout::blocks * layout::block_weights;
     /// A block of padding, then a staged band.

@@ -183,9 +183,9 @@ struct direct_integer_method {
     static constexpr const char* name = "direct";
     static constexpr bool applicable = true;
     /// Instructions for products. Those of four bytes add to the sums themselves.
-    static constexpr std::size_t cost = (layout::group == 4 ? 1 : 2) * C.rows() * C.columns() *
-                                        C.window.kernel.area() *
-                                        ceil_div(C.window.input.channels, layout::group) * layout::vectors;
+    static constexpr std::size_t vector_instructions =
+        (layout::group == 4 ? 1 : 2) * C.rows() * C.columns() * C.window.kernel.area() *
+        ceil_div(C.window.input.channels, layout::group) * layout::vectors;
     static constexpr std::size_t packed_elements = layout::weights * sizeof(typename layout::weight),
                                  workspace_elements =
                                      layout::staged_elements * sizeof(typename layout::staged);

@@ -24,7 +24,8 @@ struct scalar_depthwise_method {
     static constexpr const char* name = "depthwise, scalar";
     static constexpr bool applicable = C.is_depthwise() && C.filters == C.groups &&
                                        std::is_same_v<Input, std::uint8_t> && max_integer_lanes == 1;
-    static constexpr std::size_t cost = 2 * C.rows() * C.columns() * C.window.kernel.area() * C.filters;
+    static constexpr std::size_t vector_instructions =
+        2 * C.rows() * C.columns() * C.window.kernel.area() * C.filters;
     static constexpr std::size_t packed_elements = C.window.kernel.area() * C.filters; ///< [tap][channel]
     static constexpr std::size_t workspace_elements = C.filters; ///< a pixel of the padding
     static constexpr int offset = 0;

@@ -169,7 +169,8 @@ struct integer_tile_method {
     using tiles = integer_tiles<convolution, Outputs>;
     static constexpr const char* name = "Winograd";
     static constexpr bool applicable = true;
-    static constexpr std::size_t cost = tiles::tiling.cost(), packed_elements = tiles::tiling.weight_bytes(),
+    static constexpr std::size_t vector_instructions = tiles::tiling.cost(),
+                                 packed_elements = tiles::tiling.weight_bytes(),
                                  workspace_elements = tiles::workspace_bytes;
     static constexpr int offset = 0;
     static constexpr std::size_t filter_places = C.padded_filters();
