@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/kernels/batch/pooling.hpp>
+#include <tactnet/kernels/batch/reductions.hpp>
 #include <tactnet/kernels/norms.hpp>
-#include <tactnet/kernels/simd/in_double.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <tactnet/kernels/simd/in_double.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/tensor/aligned.hpp>
@@ -9,10 +8,27 @@
 #include <array>
 #include <cstddef>
 
-// Sums of many terms. Short runs are added in the working precision, lane by lane; the runs are accumulated
-// in double. The error stays near that of one rounding, however long the sum is.
+// Numbers of either precision, computed in double and rounded once.
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
+
+/// Loads floats or doubles as doubles.
+[[nodiscard]] inline vector<double> load_double(const float* from) {
+    return widen(from);
+}
+[[nodiscard]] inline vector<double> load_double(const double* from) {
+    return load(from);
+}
+/// Rounds doubles to floats, or keeps them, and stores them.
+inline void store_double(float* to, const vector<double>& values) {
+    narrow(to, values);
+}
+inline void store_double(double* to, const vector<double>& values) {
+    store(to, values);
+}
+
+// Sums of many terms. Short runs are added in the working precision, lane by lane; the runs are accumulated
+// in double. The error stays near that of one rounding, however long the sum is.
 
 /// Terms that are added in the working precision.
 inline constexpr std::size_t run_length = 16;
