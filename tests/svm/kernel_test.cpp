@@ -1,7 +1,6 @@
 #include "samples.hpp"
 
 #include <tactnet/svm/kernel/gram_matrix.hpp>
-#include <tactnet/svm/kernel/samples.hpp>
 #include <tactnet/svm/kernel/space.hpp>
 #include <tactnet/svm/kernel_training.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/kernels/simd/exponential.hpp>
+#include <tactnet/kernels/simd/special_functions.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/runtime/thread_pool.hpp>
-#include <tactnet/svm/kernel/samples.hpp>
+#include <tactnet/svm/kernel_training.hpp>
 #include <tactnet/svm/linear_machine.hpp>
 #include <tactnet/svm/multiclass.hpp>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/image/resize_kernel.hpp>
-#include <tactnet/kernels/batch/resampling.hpp>
+#include <tactnet/kernels/batch/pooling.hpp>
 #include <tactnet/lowering/lowering.hpp>
 #include <tactnet/operators/trained_layer.hpp>
 #include <tactnet/transfer/as_photograph_step.hpp>

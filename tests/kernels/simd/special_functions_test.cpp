@@ -1,4 +1,3 @@
-#include <tactnet/kernels/simd/exponential.hpp>
 #include <tactnet/kernels/simd/special_functions.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/aligned.hpp>

@@ -1,6 +1,6 @@
 #include "samples.hpp"
 
-#include <tactnet/svm/kernel/samples.hpp>
+#include <tactnet/svm/kernel_training.hpp>
 #include <tactnet/svm/solvers/sequential_minimal_optimisation.hpp>
 
 #include <doctest/doctest.h>

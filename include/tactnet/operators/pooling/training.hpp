@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/kernels/batch/pooling.hpp>
-#include <tactnet/kernels/batch/resampling.hpp>
 #include <tactnet/operators/pooling/layer.hpp>
 #include <tactnet/operators/trained_layer.hpp>
 

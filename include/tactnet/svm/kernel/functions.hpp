@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/simd/exponential.hpp>
+#include <tactnet/kernels/simd/special_functions.hpp>
 #include <tactnet/svm/feature_rows.hpp>
 #include <tactnet/text/message.hpp>
 
