@@ -135,6 +135,9 @@ def main():
             print(f"{i}, {name}: the runtime has outputs of another size")
             wrong += 1
             continue
+        if not all(numpy.isfinite(row).all() for row in outputs):  # numbers around 1e15, in the functions of the runtime
+            found["imported, not finite in the runtime"] += 1
+            continue
         outputs = [network.in_order(row) for row in outputs]
         expected = [network.outputs_of(frame) for frame in network.frames]
         if all(a.shape == b.shape and abs(a - b).max() <= 1e-4 * max(abs(b).max(), 1e-30) for a, b in zip(outputs, expected)) or close(
