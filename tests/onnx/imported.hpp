@@ -1,6 +1,7 @@
 #pragma once
 
-// Networks that tactnet.onnx has made of ONNX models, compared with what the runtime of ONNX makes of them.
+// Networks that tactnet.onnx has made of ONNX models, compared with what ONNX Runtime makes of these models,
+// or, where it is missing, with what the importer computes node by node.
 
 #include "../deployment/deployed_network.hpp"
 
