@@ -9,12 +9,15 @@
 #include <tactnet/sensors/described/matrix_stream.hpp>
 #include <tactnet/sensors/described/text_stream.hpp>
 #include <tactnet/sensors/frame.hpp>
+#include <tactnet/sensors/novel.hpp>
 #include <tactnet/sensors/recording.hpp>
 #include <tactnet/sensors/tekscan/ascii.hpp>
 #include <tactnet/sensors/tekscan/binary.hpp>
+#include <tactnet/sensors/tekscan/equilibration.hpp>
 #include <tactnet/sensors/tekscan/map.hpp>
 #include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/sensors/text/lines.hpp>
 #include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/sensors/warning.hpp>
 #include <tactnet/sensors/weiss.hpp>
+#include <tactnet/sensors/xsensor.hpp>

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/novel.hpp>
 #include <tactnet/sensors/tekscan/ascii.hpp>
 #include <tactnet/sensors/tekscan/binary.hpp>
 #include <tactnet/sensors/tekscan/line.hpp>
 #include <tactnet/sensors/tekscan/map.hpp>
 #include <tactnet/sensors/text/lines.hpp>
+#include <tactnet/sensors/xsensor.hpp>
 
 #include <algorithm>
 #include <cstddef>
@@ -26,6 +28,8 @@ namespace detail {
 /// Rejects bytes of an unknown format.
 class unknown_recording : public decoder_base {
 public:
+    explicit unknown_recording(bool is_equilibration = false) : is_equilibration_(is_equilibration) {}
+
     template <class Sink>
     decode_status push(std::span<const std::byte> bytes, Sink&&) {
         if (status() == decode_status::damaged)
@@ -35,7 +39,8 @@ public:
         return fail(
             {.expected = "a Tekscan recording or map (a line 'ASCII_DATA @@' or 'SENSOR_MAP @@', or bytes "
                          "0A BB BA)",
-             .found = bytes.empty()     ? "not a single byte, as from a file that is empty or not there"
+             .found = bytes.empty()       ? "not a single byte, as from a file that is empty or not there"
+                      : is_equilibration_ ? "an equilibration: see read_equilibration"
                       : foreign.empty() ? "none of it in the first " + std::to_string(bytes.size()) + " bytes"
                                         : std::string(foreign)});
     }
@@ -43,11 +48,14 @@ public:
     decode_status finish(Sink&&) {
         return status();
     }
+
+private:
+    bool is_equilibration_;
 };
 
 } // namespace detail
 
-/// Decodes any of Tekscan's formats, which is known by the end of the header.
+/// Decodes any of Tekscan's formats, which is known by the end of the header, novel's ASCII or XSENSOR's CSV.
 ///
 /// Memory: that of the format, and one more header.
 class any_recording {
@@ -71,7 +79,10 @@ public:
     template <class Sink>
     decode_status finish(Sink&& sink) {
         if (!known_) {
-            recognise_line(begun_text().substr(line_));
+            if (line_ > 0 && begun_text().substr(line_).starts_with("\xBB\xBA"))
+                found<tekscan_binary>(std::move(mask_));
+            else
+                recognise_line(begun_text().substr(line_));
             if (start(sink) == decode_status::damaged)
                 return decode_status::damaged;
         }
@@ -96,8 +107,14 @@ private:
     bool recognise() {
         const std::string_view text = begun_text();
         while (true) {
-            if (line_ > 0 && text.substr(line_).starts_with("\xBB\xBA"))
-                return found<tekscan_binary>(std::move(mask_));
+            if (line_ > 0 && text.substr(line_).starts_with("\xBB\xBA")) {
+                if (text.size() < line_ + 6)
+                    return false;
+                // A run without cells is in no recording.
+                return text.substr(line_ + 2, 4) == std::string_view("\xB8\x01\0\0", 4)
+                           ? found<detail::unknown_recording>(true)
+                           : found<tekscan_binary>(std::move(mask_));
+            }
             const std::size_t end = text.find('\n', searched_);
             if (end == std::string_view::npos)
                 break;
@@ -112,6 +129,13 @@ private:
     bool recognise_line(std::string_view line) {
         while (line.ends_with('\r'))
             line.remove_suffix(1);
+        constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+        if (line_ == 0 && line.starts_with(byte_order_mark))
+            line.remove_prefix(byte_order_mark.size());
+        if (line_ == 0 && line.starts_with("File:,"))
+            return found<xsensor_csv>();
+        if (line_ == 0 && line.starts_with("file name:"))
+            return found<novel_ascii>();
         std::string unquoted;
         const tekscan_part next = detail::read_header_line(line, unquoted).followed_by;
         return next == tekscan_part::cells ? found<tekscan_ascii>()
@@ -139,7 +163,9 @@ private:
         return std::visit([&](auto& decoder) { return decoder.push(bytes, sink); }, decoder_);
     }
 
-    std::variant<detail::unknown_recording, tekscan_ascii, tekscan_binary, tekscan_map> decoder_;
+    std::variant<detail::unknown_recording, tekscan_ascii, tekscan_binary, tekscan_map, novel_ascii,
+                 xsensor_csv>
+        decoder_;
     std::vector<std::uint8_t> mask_;
     std::vector<std::byte> begun_;
     std::size_t line_ = 0;     ///< the start of the first line without an end
