@@ -89,8 +89,6 @@ struct counts {
 
 /// What is wrong with an image by itself. Each in a line.
 std::vector<std::string> problems_of(const checked_image& found, const std::string& usual) {
-    if (!found.unreadable.empty())
-        return {printable(found.unreadable)};
     std::vector<std::string> problems;
     if (found.size != usual)
         problems.push_back(
@@ -132,6 +130,8 @@ int check_data(const std::filesystem::path& folder) {
     lines.push_back({"all"});
     std::map<std::pair<std::string, std::vector<std::uint8_t>>, const checked_image*> first; // by pixels
     std::vector<std::string> problems, copies;
+    std::map<std::string, std::size_t> unreadable; // images by reason, of which the first is named
+    std::vector<const checked_image*> first_unreadable;
     for (const checked_image& found : images) {
         const checked_image* original = nullptr;
         if (!found.one_value)
@@ -145,14 +145,27 @@ int check_data(const std::filesystem::path& folder) {
             if (std::ranges::find(line->sizes, found.size) == line->sizes.end())
                 line->sizes.push_back(found.size);
         }
-        for (const std::string& problem : problems_of(found, usual))
-            problems.push_back(found.name + ": " + problem);
+        if (found.unreadable.empty())
+            for (const std::string& problem : problems_of(found, usual))
+                problems.push_back(found.name + ": " + problem);
+        else if (const auto same = ++unreadable[found.unreadable]; same == 1)
+            first_unreadable.push_back(&found);
         if (original != nullptr && original->label == found.label) // no problem: a sensor may repeat a frame
             copies.push_back(found.name + " is a copy of " + original->name +
                              ": a random split may train on one and test the other");
         else if (original != nullptr)
             problems.push_back(found.name + ": expected an image of one class, found a copy of " +
                                original->name);
+    }
+    std::size_t count = problems.size();
+    for (const checked_image* found : first_unreadable) {
+        const std::size_t same = unreadable[found->unreadable];
+        count += same;
+        problems.push_back(found->name + ": " + printable(found->unreadable) +
+                           (same > 1 ? fmt::format(", and so of {} other images", grouped(same - 1)) : ""));
+        if (found->unreadable.find("8 bits per channel, found 16") != std::string::npos)
+            problems.back() +=
+                "; write deeper counts in 8 bits, 255 at full scale (docs/recognise/own_sensor.md)";
     }
     table_cells cells{{"class", "images", "size", "copies", "with 255"}};
     for (const counts& line : lines)
@@ -169,7 +182,7 @@ int check_data(const std::filesystem::path& folder) {
                         of_paper ? ", to the last pixel" : "");
     for (const std::string& problem : problems)
         text += problem + '\n';
-    text += problems.empty() ? "nothing is wrong\n" : fmt::format("{} problems\n", grouped(problems.size()));
+    text += problems.empty() ? "nothing is wrong\n" : fmt::format("{} problems\n", grouped(count));
     print(text);
     return problems.empty() ? success : failed;
 }

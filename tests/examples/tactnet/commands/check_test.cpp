@@ -40,6 +40,25 @@ TEST_SUITE("program") {
         CHECK(lines[7] == "nothing is wrong");
     }
 
+    TEST_CASE("check: many images of 16 bits are one line, with a hint") {
+        const workshop shop;
+        constexpr unsigned char deep[] = {
+            0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48,
+            0x44, 0x52, 0x00, 0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x01, 0x10, 0x00, 0x00, 0x00,
+            0x00, 0x6a, 0xee, 0x47, 0x16, 0x00, 0x00, 0x00, 0x0b, 0x49, 0x44, 0x41, 0x54, 0x78,
+            0x9c, 0x63, 0x60, 0x64, 0x02, 0x00, 0x00, 0x07, 0x00, 0x04, 0x76, 0x49, 0xe3, 0x28,
+            0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82}; // 1 x 1
+        for (const char* name : {"left/image3.png", "left/image4.png", "right/image5.png"})
+            tactnet::write_file(shop.data() / name, std::as_bytes(std::span(deep)));
+        const outcome found = check(shop, shop.data());
+        CHECK(found.status == 1);
+        CHECK(shows(
+            found,
+            "\nleft/image3.png: expected 8 bits per channel, found 16, and so of 2 other images; write "));
+        CHECK(!shows(found, "image4.png"));
+        CHECK(found.out.ends_with("\n3 problems\n"));
+    }
+
     TEST_CASE("check: each image that is wrong is named, with what is wrong") {
         const workshop shop;
         const std::string whole = text_of(shop.data() / "left/image3.png");
