@@ -2,7 +2,7 @@
 
 // Answers as text: a line for people, a line of JSON for programs, a picture for a terminal.
 
-#include "touch_reader.hpp"
+#include "answer.hpp"
 
 #include <tactnet/text/numbers.hpp>
 #include <tactnet/text/quoting.hpp>
@@ -60,10 +60,10 @@ inline std::string json_line_of(const answer& a, const std::vector<std::string>&
 
 /// A colour whose lightness grows with the count: corners of matplotlib's "inferno" map (van der Walt and
 /// Smith, 2015), with lines between them. The largest count of a frame is the lightest.
-inline std::array<int, 3> colour_of(std::uint8_t count, std::uint8_t largest) {
+inline std::array<int, 3> colour_of(double count, double largest) {
     constexpr std::array<std::array<double, 3>, 6> corners{
         {{0, 0, 4}, {66, 10, 104}, {147, 38, 103}, {221, 81, 58}, {252, 165, 10}, {252, 255, 164}}};
-    const double place = static_cast<double>(count) / std::max<int>(largest, 32) * (corners.size() - 1);
+    const double place = std::max(count, 0.0) / std::max(largest, 32.0) * (corners.size() - 1);
     const auto below = std::min(static_cast<std::size_t>(place), corners.size() - 2);
     std::array<int, 3> colour{};
     for (std::size_t c = 0; c < 3; ++c)
@@ -77,12 +77,13 @@ inline std::array<int, 3> colour_of(std::uint8_t count, std::uint8_t largest) {
 /// picture before.
 inline std::string picture_of(const answer& a, const std::vector<std::string>& classes) {
     constexpr std::array<int, 3> faulty{60, 130, 255};
-    std::vector<std::array<int, 3>> colours(frame_shape.size());
-    const std::uint8_t largest = a.counts.empty() ? std::uint8_t{0} : *std::ranges::max_element(a.counts);
+    const std::size_t columns = a.columns, rows = a.counts.size() / columns;
+    std::vector<std::array<int, 3>> colours(rows * columns);
+    const float largest = *std::ranges::max_element(a.counts);
     for (std::size_t i = 0; i < a.counts.size(); ++i)
         colours[i] = colour_of(a.counts[i], largest);
     for (const tactnet::tactel_fault& fault : a.faults)
-        colours[fault.row * frame_shape.columns + fault.column] = faulty;
+        colours[fault.row * columns + fault.column] = faulty;
     std::string text = "\x1b[H"; // the upper left corner
     // Many neighbours have the same colour.
     std::array<std::string, 2> grounds;
@@ -93,11 +94,11 @@ inline std::string picture_of(const answer& a, const std::vector<std::string>& c
         if (std::exchange(grounds[behind], code) != code)
             text += code;
     };
-    for (std::size_t row = 0; row < frame_shape.rows; row += 2) {
-        for (std::size_t column = 0; column < frame_shape.columns; ++column) {
-            add(false, colours[row * frame_shape.columns + column]);
-            if (row + 1 < frame_shape.rows)
-                add(true, colours[(row + 1) * frame_shape.columns + column]);
+    for (std::size_t row = 0; row < rows; row += 2) {
+        for (std::size_t column = 0; column < columns; ++column) {
+            add(false, colours[row * columns + column]);
+            if (row + 1 < rows)
+                add(true, colours[(row + 1) * columns + column]);
             text += "▀";
         }
         text += "\x1b[0m\x1b[K\n";

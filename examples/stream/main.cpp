@@ -8,27 +8,29 @@
 #include "answer_text.hpp"
 #include "arguments.hpp"
 #include "own_device.hpp"
-#include "touch_reader.hpp"
 
+#include <tactnet/image/resize.hpp>
 #include <tactnet/io.hpp>
 #include <tactnet/sensors.hpp>
 
-#include <array>
-#include <cerrno>
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdio>
-#include <cstring>
+#ifdef TACTNET_STREAM_SAVES
+#include <decode_image.hpp>
+#endif
 #include <exception>
 #include <optional>
-#include <poll.h>
 #include <span>
 #include <stack.hpp>
 #include <standard_output.hpp>
+#include <stdexcept>
 #include <stopwatch.hpp>
 #include <string>
 #include <thread>
-#include <unistd.h>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -40,7 +42,7 @@ void complain(const std::string& sentence) {
 /// What comes of frames, one after the other.
 class stage {
 public:
-    stage(const arguments& given, touch_reader& reader, const std::vector<std::string>& classes)
+    stage(const arguments& given, frame_reader& reader, const std::vector<std::string>& classes)
         : given_(given), reader_(reader), classes_(classes) {}
 
     void take(const tactnet::frame_view& frame) {
@@ -51,6 +53,7 @@ public:
             all_well_ = false;
         } else if (found.says != answer::state::learning) {
             write(found);
+            save(found);
         }
         ++frames_;
     }
@@ -85,34 +88,42 @@ private:
         }
     }
 
+    /// The strongest frame of a touch, once it is over.
+    void save(const answer& found) {
+        if (given_.save.empty())
+            return;
+        if (found.contact->firm && found.contact->force > strongest_) {
+            strongest_ = found.contact->force;
+            image_.resize(found.counts.size());
+            std::ranges::transform(found.counts, image_.begin(), tactnet::saturate_to_count);
+        }
+        if (!found.contact->ended || std::exchange(strongest_, 0) == 0)
+            return;
+        std::array<char, 32> name{};
+        std::snprintf(name.data(), name.size(), "%06llu.png", static_cast<unsigned long long>(found.number));
+#ifdef TACTNET_STREAM_SAVES
+        write_png(given_.save / name.data(), image_.size() / found.columns, found.columns, image_);
+#else
+        throw std::runtime_error("--save: this program was built without PNG");
+#endif
+    }
+
     static constexpr double longest_pause = 3600; ///< of a recording whose times leap
 
     const arguments& given_;
-    touch_reader& reader_;
+    frame_reader& reader_;
     const std::vector<std::string>& classes_;
     std::optional<double> first_;
     stopwatch since_first_, since_drawn_;
     std::size_t frames_ = 0, drawn_ = 0;
+    std::uint32_t strongest_ = 0; ///< force of a touch so far, and its frame
+    std::vector<std::uint8_t> image_;
     bool all_well_ = true;
 };
 
-/// Waits for bytes, and says when none come for a second or more. A file always has some, or ends.
-void wait_for_input(bool& silent, const stopwatch& since_last) {
-    constexpr int patience = 1000; // milliseconds
-    pollfd input{STDIN_FILENO, POLLIN, 0};
-    while (::poll(&input, 1, silent ? -1 : patience) == 0) {
-        complain("no frame for a second");
-        silent = true;
-    }
-    if (silent) {
-        complain("the stream goes on after " + formatted("%.1f", since_last.seconds()) + " s");
-        silent = false;
-    }
-}
-
 /// True if the stream was whole, its frames were recognised and their answers written.
 template <class Decoder>
-bool run(Decoder decoder, stage& to) {
+bool run(Decoder decoder, byte_input& input, stage& to) {
     bool whole = true;
     const auto take = [&](const tactnet::frame_view& frame) { to.take(frame); };
     const auto note = [&](tactnet::decode_status status) {
@@ -120,27 +131,12 @@ bool run(Decoder decoder, stage& to) {
             complain(decoder.error().message());
             whole = false;
         }
-        return status;
     };
     std::size_t total = 0;
-    std::array<std::byte, 4096> bytes;
-    ssize_t got = 0;
-    bool silent = false;
-    for (stopwatch since_last;; since_last = {}) {
-        wait_for_input(silent, since_last);
-        // Returns with what there is, so that a frame is not kept waiting for the next.
-        got = ::read(STDIN_FILENO, bytes.data(), bytes.size());
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got <= 0)
-            break;
-        total += static_cast<std::size_t>(got);
-        note(decoder.push(std::span(bytes).first(static_cast<std::size_t>(got)), take));
+    while (const auto bytes = input.read(complain)) {
+        total += bytes->size();
+        note(decoder.push(*bytes, take));
         finish_output();
-    }
-    if (got < 0) {
-        complain(std::string("cannot read the stream: ") + std::strerror(errno));
-        return false;
     }
     if (whole ||
         !std::is_same_v<Decoder, tactnet::any_recording>) // which has reported its damage, and ends there
@@ -154,20 +150,68 @@ bool run(Decoder decoder, stage& to) {
     return whole && to.all_well();
 }
 
+std::string size_text(const tactnet::shape& input) {
+    return std::to_string(input.rows) + " x " + std::to_string(input.columns);
+}
+std::string list_of_readers() {
+    std::string text;
+    for (const compiled_reader& each : compiled_readers())
+        text += (text.empty() ? "" : ", ") + std::string(each.network) + " at " + size_text(each.input);
+    return text;
+}
+
+/// The network and size that a file says it is for; of what it does not say, the first that was compiled in.
+compiled_reader reader_for(const tactnet::model_description& says, const std::string& file) {
+    for (const compiled_reader& each : compiled_readers())
+        if ((says.network.empty() || says.network == each.network) &&
+            says.rows.value_or(each.input.rows) == each.input.rows &&
+            says.columns.value_or(each.input.columns) == each.input.columns)
+            return each;
+    const std::string network = says.network.empty() ? "tactnet6" : says.network;
+    const std::string size =
+        std::to_string(says.rows.value_or(0)) + 'x' + std::to_string(says.columns.value_or(0));
+    throw tactnet::file_error(file, "", "a network that was compiled in (" + list_of_readers() + ")",
+                              network + " at " + size + ": build with -DTACTNET_STREAM_NETWORKS=" + network +
+                                  '=' + size);
+}
+
 bool run(const arguments& given) {
-    const auto network = tactnet::load_deployed<touch_network>(given.weights);
-    touch_reader reader(network, given.frames_of_air);
-    const std::vector<std::string> classes(network.classes().begin(), network.classes().end());
-    stage to(given, reader, classes);
+    std::optional<tactnet::safetensors> weights;
+    tactnet::model_description says;
+    tactnet::sensor_description sensor;
+    std::optional<tactnet::count_scale> scale;
+    if (!given.weights.empty()) {
+        weights = tactnet::safetensors::read(given.weights);
+        says = tactnet::describe_model(*weights);
+    }
+    if (!given.sensor.empty()) {
+        sensor = tactnet::read_sensor(given.sensor);
+        scale = tactnet::count_scale{.full = static_cast<float>(sensor.full_scale.value_or(255))};
+        if (!weights)
+            says.rows = sensor.frame_rows(), says.columns = sensor.frame_columns();
+    }
+    const compiled_reader network = reader_for(says, (weights ? given.weights : given.sensor).string());
+    if (!scale)
+        sensor = {.rows = network.input.rows, .columns = network.input.columns};
+    if (const tactnet::shape array{sensor.frame_rows(), sensor.frame_columns()}; array != network.input)
+        throw tactnet::file_error(given.sensor.string(), "",
+                                  "an array of " + size_text(network.input) + ", as the network",
+                                  size_text(array));
+    const auto reader = network.make(weights ? &*weights : nullptr, given.frames_of_air, scale);
+    const std::vector<std::string> classes = reader->classes();
+    stage to(given, *reader, classes);
+    byte_input input(given.port, given.speed);
     switch (given.from) {
     case arguments::source::own:
-        return run(own_device(), to);
+        return run(own_device(), input, to);
     case arguments::source::recording:
-        return run(tactnet::any_recording(), to);
+        return run(tactnet::any_recording(), input, to);
     case arguments::source::frames:
         break;
     }
-    return run(tactnet::matrix_stream({.rows = frame_shape.rows, .columns = frame_shape.columns}), to);
+    if (sensor.cell == tactnet::cell_type::digits)
+        return run(tactnet::text_stream(sensor), input, to);
+    return run(tactnet::matrix_stream(sensor), input, to);
 }
 
 } // namespace
@@ -179,7 +223,7 @@ int main(int count, char** words) {
         const arguments given =
             read_arguments(std::span<const char* const>(words, static_cast<std::size_t>(count)).subspan(1));
         if (given.help) {
-            print(usage);
+            print(usage + ("Compiled in: " + list_of_readers() + ".\n"));
             finish_output();
             return 0;
         }
