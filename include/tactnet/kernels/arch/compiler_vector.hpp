@@ -40,7 +40,7 @@ template <std::size_t Bytes, class T>
 template <class Vector, class T>
 [[nodiscard]] [[gnu::always_inline]] inline Vector load_bytes_as(const T* from) {
     Vector values;
-    std::memcpy(&values, from, sizeof(values));
+    std::memcpy(static_cast<void*>(&values), from, sizeof(values)); // a class may have initial values
     return values;
 }
 /// Stores to any alignment.
