@@ -9,6 +9,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <chrono>
@@ -219,6 +220,12 @@ TEST_CASE("parameters: numbers in the other byte order are named") {
                   for (float& value : array.values)
                       value = std::abs(value) * 1.2345678e-12f;
           }) == "no error");
+    // Nor are numbers that are usual both ways with five huge ones among ninety, or huge ones that stay so.
+    CHECK(error_after([](arrays& a) {
+              std::ranges::fill(a["fc.weight"].values, std::bit_cast<float>(0x3F80003FU));
+              std::fill_n(a["fc.weight"].values.begin(), 5, std::bit_cast<float>(0x6000003FU));
+          }) == "no error");
+    CHECK(error_after([](arrays& a) { std::ranges::fill(a["fc.weight"].values, 1e20f); }) == "no error");
 }
 
 TEST_CASE("parameters: more classes than outputs") {
