@@ -1,6 +1,7 @@
+#include "recordings.hpp"
+
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/stream.hpp>
-#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/operators.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
@@ -31,48 +32,12 @@
 using namespace tactnet;
 using kernels::lanes;
 using support::drawn_network;
+using support::in_batch;
+using support::in_stream;
+using support::recordings;
 using support::same_bits;
 
 namespace {
-
-/// Recordings, each `frames` times `features` numbers.
-std::vector<std::vector<float>> recordings(std::size_t count, std::size_t frames, std::size_t features) {
-    random_stream random(2, random_purposes::order, 0);
-    std::vector<std::vector<float>> result(count, std::vector<float>(frames * features));
-    for (std::vector<float>& each : result)
-        for (float& value : each)
-            value = static_cast<float>(random.uniform(-2, 2));
-    return result;
-}
-/// What the network computes for whole recordings, in one batch: after each frame `outputs` numbers, or once.
-template <class Network>
-std::vector<std::vector<float>>
-in_batch(const Network& network, const std::vector<std::vector<float>>& sequences, std::size_t threads) {
-    constexpr shape in_shape = Network::input_shape, out_shape = Network::output_shape;
-    typename Network::input_batch in(sequences.size());
-    typename Network::output_batch out(sequences.size());
-    for (std::size_t s = 0; s < sequences.size(); ++s)
-        for (std::size_t frame = 0; frame < in_shape.rows; ++frame)
-            for (std::size_t f = 0; f < in_shape.channels; ++f)
-                in(s, f * in_shape.rows + frame) = sequences[s][frame * in_shape.channels + f];
-    thread_pool pool(threads);
-    typename Network::workspace space;
-    network.prepare(pool, space);
-    network.logits(in, out, pool, space);
-    std::vector<std::vector<float>> result(sequences.size());
-    for (std::size_t s = 0; s < sequences.size(); ++s)
-        for (std::size_t frame = 0; frame < out_shape.rows; ++frame)
-            for (std::size_t o = 0; o < out_shape.channels; ++o)
-                result[s].push_back(out(s, o * out_shape.rows + frame));
-    return result;
-}
-template <class Network>
-std::vector<float> in_stream(const deployed_stream<Network>& stream, std::span<const float> recording) {
-    std::vector<float> outputs(recording.size() / stream.features * stream.outputs);
-    typename deployed_stream<Network>::state memory;
-    CHECK(stream.run(recording, memory, outputs) == recording.size() / stream.features);
-    return outputs;
-}
 
 template <std::size_t Frames>
 using classifier = network<shape{Frames, 1, 3}, gru<5>, last_frame, dense<4>, softmax>;

@@ -69,6 +69,7 @@ OPERATORS = {
 OPERATOR_KINDS = {"trained_layer": "training"}
 # The list of the folders of operators/, which its umbrellas read.
 FOLDERS = "operators/folders.hpp"
+TESTED_OPERATORS = "tests/operators/list.hpp"
 # Folders that only these and they themselves include: a simulation of your own objects does not pay for the paper's 22 classes.
 CLOSED = {"simulation/paper": "simulation.hpp"}
 # What only kernels/ may know.
@@ -153,13 +154,21 @@ def check_includes(root):
                 first = purposes.setdefault((found[1], found[3]), place)
                 if first != place:
                     yield f"{place}: the number of {found[2]} is that of {first}"
-    # An operator that the list leaves out would be no part of the library, and the tests of operators would not know it.
-    text = (folder / FOLDERS).read_text() if (folder / FOLDERS).exists() else ""
-    listed = dict((name, macro) for macro, name in re.findall(r"^#include TACTNET_FILE_(\w+)\((\w+)\)$", text, re.M))
-    for name in sorted({header.split("/")[1] for header in headers if re.fullmatch(r"operators/[a-z_]+/layer\.hpp", header)}):
-        macro = "OF" if f"operators/{name}/eight_bit.hpp" in headers else "WITHOUT_STEP"
-        if listed.get(name) != macro:
-            yield f"{FOLDERS}: expected #include TACTNET_FILE_{macro}({name})"
+    # An operator that the list leaves out would be no part of the library, and one that the list of tests leaves out would not be tested.
+    def listed(file, pattern):
+        return re.findall(pattern, file.read_text() if file.exists() else "", re.M)
+
+    included = {name: macro for macro, name in listed(folder / FOLDERS, r"^#include (TACTNET_FILE_\w+)\((\w+)\)$")}
+    tested = set(listed(root / TESTED_OPERATORS, r'^ *example<"(\w+)"'))
+    operators = {header.split("/")[1] for header in headers if re.fullmatch(r"operators/[a-z_]+/layer\.hpp", header)}
+    for name in sorted(operators | included.keys() | tested):
+        macro = "TACTNET_FILE_OF" if f"operators/{name}/eight_bit.hpp" in headers else "TACTNET_FILE_WITHOUT_STEP"
+        if name not in operators:
+            yield f"operators/{name}: there is no layer.hpp, but it is listed"
+        elif included.get(name) != macro:
+            yield f"{FOLDERS}: expected #include {macro}({name})"
+        if name in operators and name not in tested:
+            yield f'{TESTED_OPERATORS}: expected an example<"{name}", …>'
     references = (folder / "operators/reference.hpp").read_text() if (folder / "operators/reference.hpp").exists() else ""
     for header in headers:
         if re.fullmatch(r"operators/[a-z_]+/reference\.hpp", header) and f"<tactnet/{header}>" not in references:
@@ -228,6 +237,7 @@ def self_check(root):
             "kernels/includes_operators.hpp:4: room 'kernels' may not include",
             "operators/comment_first.hpp: has its comment in front",
             "operators/folders.hpp: expected #include TACTNET_FILE_WITHOUT_STEP\\(unlisted\\)",
+            'tests/operators/list.hpp: expected an example<"unlisted", …>',
             "operators/dense/step.hpp:3: a file of operators/ with this name may not include",
             "operators/dense/step.hpp:4: only training.hpp may include",
             "operators/includes_unknown.hpp:3: .* no room",

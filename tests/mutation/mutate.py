@@ -28,6 +28,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent.parent
 HEADERS = ROOT / "include" / "tactnet"
 TESTS = ROOT / "tests"
+# Checks of all operators: units of the examples of the folder that a header is in.
+OF_ALL = [TESTS / "operators" / "of_all" / f"{check}.hpp" for check in ("batches", "frames", "streams")]
 LIMIT = 120  # seconds that an unchanged test may take
 
 # The changes. clang-format puts spaces around an operator, and none around the brackets of a template.
@@ -159,7 +161,8 @@ class Tests:
             direct = "tactnet/" + header in self.included(path)
             return (not (own.fullmatch(test) and direct), test.split("/")[0] != room, not direct, len(self.files[path]), test)
 
-        return sorted((path for path, seen in self.files.items() if header in seen), key=distance)
+        of_all = OF_ALL if folder.startswith("operators/") else []
+        return of_all + sorted((path for path, seen in self.files.items() if header in seen), key=distance)
 
 
 class Builder:
@@ -178,6 +181,7 @@ class Builder:
         shutil.copy(TESTS / "support" / "precompiled.hpp", self.folder)
         subprocess.run([options.compiler, *self.flags, "-x", "c++-header", self.precompiled[1]], capture_output=True)
         self.baselines = {}
+        self.operator = ""
         self.complete = False
         self.help_with([TESTS / "support" / "main.cpp", TESTS / "support" / "allocations.cpp"])
 
@@ -193,6 +197,8 @@ class Builder:
     def compile(self, source, output, first=None):
         first = self.precompiled if first is None else first
         room = TESTS / source.relative_to(TESTS).parts[0]
+        if source in OF_ALL:
+            first = [*first, "-DTACTNET_SLICE=0", "-DTACTNET_SLICES=1", f'-DTACTNET_FOLDER="{self.operator}"', "-x", "c++"]
         command = [self.options.compiler, *self.flags, *first, "-I", room, "-c", source, "-o", output]
         try:
             return subprocess.run(command, capture_output=True, text=True, timeout=600)
@@ -231,14 +237,15 @@ class Builder:
 
     def baseline(self, test):
         """Returns (object code, seconds of a run) of the unchanged test; None if it fails."""
-        if test not in self.baselines:
+        key = (test, self.operator if test in OF_ALL else "")
+        if key not in self.baselines:
             unit, program = self.folder / "unit.o", self.folder / "program"
-            self.baselines[test] = None
+            self.baselines[key] = None
             if self.compile(test, unit).returncode == 0 and self.link([unit], program):
                 done, seconds = self.run(program, LIMIT)
                 if done is not None and done.returncode == 0:
-                    self.baselines[test] = (unit.read_bytes(), seconds)
-        return self.baselines[test]
+                    self.baselines[key] = (unit.read_bytes(), seconds)
+        return self.baselines[key]
 
     def with_header(self, header, source):
         (self.folder / "include" / "tactnet" / header).write_text(source)
@@ -256,6 +263,7 @@ def killed_by(test, done):
 
 def tried(builder, mutant, test):
     """Returns (result, by what) of one mutant and one test."""
+    builder.operator = Path(mutant.header).parent.name
     before = builder.baseline(test)
     if before is None:
         return "left out", ""

@@ -10,22 +10,8 @@
 #include <vector>
 
 using namespace tactnet;
-using support::check_layer;
 using texts = std::vector<std::string>;
 
-TEST_CASE("concatenation: branches of different depth, with batch norms") {
-    check_layer<concatenation<sequence<conv2d<3, 1>, batch_norm, relu>,
-                              sequence<conv2d<2, 1>, relu, conv2d<4, 3>, batch_norm>>,
-                shape{4, 3, 2}>();
-}
-TEST_CASE("concatenation: the input itself, a pool, a single layer") {
-    check_layer<concatenation<identity_layer, max_pool<3, 1, pad(1)>, conv2d<2, 1>>, shape{3, 4, 2}>();
-}
-TEST_CASE("concatenation: within a list, and within itself") {
-    check_layer<sequence<conv2d<3, 1>, concatenation<concatenation<conv2d<2, 1>, relu>, conv2d<1, 3>>, relu,
-                         dense<2>>,
-                shape{3, 3, 2}>();
-}
 TEST_CASE("concatenation: names of its branches") {
     CHECK(
         support::arrays_of<concatenation<conv2d<2, 1>, named<"expand3x3", conv2d<1, 3>>, unnamed<batch_norm>>,

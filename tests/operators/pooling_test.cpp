@@ -4,20 +4,7 @@
 #include <support/layers/conformance.hpp>
 
 using namespace tactnet;
-using support::check_layer;
 
-TEST_CASE("adaptive_max_pool: bins overlap where they must, and repeat where there is too little") {
-    check_layer<adaptive_max_pool<extent2d{3, 4}>, shape{5, 9, 2}>();
-    check_layer<adaptive_max_pool<7>, shape{3, 10, 1}>();
-}
-TEST_CASE("adaptive_max_pool: bins side by side, of one pixel and of the whole image") {
-    check_layer<adaptive_max_pool<extent2d{2, 3}>, shape{6, 9, 3}>();
-    check_layer<adaptive_max_pool<extent2d{4, 5}>, shape{4, 5, 2}>();
-    check_layer<adaptive_max_pool<1>, shape{5, 3, 2}>();
-}
-TEST_CASE("adaptive_max_pool: in a list, after a layer that writes over its input") {
-    check_layer<sequence<conv2d<5, 3>, relu, adaptive_max_pool<extent2d{3, 2}>, dense<4>>, shape{7, 5, 2}>();
-}
 TEST_CASE("adaptive_max_pool: of equal largest values the first gets the gradient, as in PyTorch") {
     using bound = trained_layer<adaptive_max_pool<2>, float, shape{2, 3, 1}>; // columns 0, 1 and 1, 2
     batch<float, shape{2, 3, 1}, kernels::lanes<float>> in(1), in_gradient(1);
@@ -35,44 +22,10 @@ TEST_CASE("adaptive_max_pool: of equal largest values the first gets the gradien
         CHECK(in_gradient(0, i) == expected[i]);
 }
 
-TEST_CASE("average_pool: what must hold of every layer") {
-    check_layer<average_pool<2>, shape{5, 7, 3}>(); // the rest is divided by its own pixels
-    check_layer<average_pool<3, extent2d{1, 2}, pad(1), average_over::pixels_and_padding>, shape{4, 7, 2}>();
-    check_layer<average_pool<3, extent2d{1, 2}, pad(1)>, shape{4, 7, 2}>();
-    // Ceil mode counts the padding that was given, not what completes a window.
-    check_layer<average_pool<3, 2, ceil_mode(pad(1)), average_over::pixels_and_padding>, shape{6, 8, 2}>();
-    check_layer<average_pool<3, 2, ceil_mode()>, shape{6, 7, 1}>();
-    check_layer<average_pool<extent2d{4, 3}, 1, padding::valid>, shape{4, 3, 2}>();
-    // Bins overlap where they must, and repeat where there is too little.
-    check_layer<adaptive_average_pool<extent2d{3, 4}>, shape{5, 9, 2}>();
-    check_layer<adaptive_average_pool<7>, shape{3, 10, 1}>();
-    check_layer<global_average_pool, shape{5, 6, 3}>();
-}
-
 // PyTorch: AdaptiveAvgPool2d(4) of 10 gives the bins 0-3, 2-5, 5-8, 7-10.
 constexpr pooling_axis bins{.size = 10, .outputs = 4};
 static_assert(bins.pixels(0).end == 3 && bins.pixels(1).begin == 2 && bins.pixels(1).end == 5 &&
               bins.pixels(2).begin == 5 && bins.pixels(2).end == 8 && bins.pixels(3).begin == 7);
-
-TEST_CASE("max_pool: what must hold of every layer") {
-    check_layer<max_pool<2, 1>, shape{5, 4, 3}>();
-    check_layer<max_pool<2>, shape{7, 13, 2}>();                    // keeps the rest
-    check_layer<max_pool<2, 2, padding::valid>, shape{7, 13, 2}>(); // drops the rest
-    check_layer<max_pool<3, 2>, shape{7, 12, 1}>();
-    check_layer<max_pool<3, 2, padding::valid>, shape{7, 12, 2}>();
-    check_layer<max_pool<3, 1>, shape{5, 4, 1}>();
-    check_layer<max_pool<5, 1, padding::valid>, shape{5, 9, 2}>();
-    check_layer<max_pool<5, 1>, shape{4, 3, 1}>();
-    check_layer<max_pool<extent2d{2, 3}>, shape{7, 13, 1}>();
-    check_layer<max_pool<extent2d{2, 3}, extent2d{1, 2}, padding::valid>, shape{5, 8, 2}>();
-    check_layer<max_pool<3, 2, pad(1)>, shape{5, 4, 1}>();
-    check_layer<max_pool<2>, shape{1, 1, 3}>();
-    check_layer<max_pool<1, 3>, shape{5, 7, 1}>();              // stride larger than the window
-    check_layer<max_pool<3, 2, ceil_mode()>, shape{6, 7, 2}>(); // completes the last window
-    // Windows apart.
-    check_layer<max_pool<3, 5, ceil_mode(pad(1))>, shape{6, 4, 1}>();
-    check_layer<global_max_pool, shape{5, 7, 3}>();
-}
 
 namespace {
 

@@ -9,12 +9,6 @@
 
 using namespace tactnet;
 
-TEST_CASE("dropout: what must hold of every layer") {
-    support::check_layer<dropout<0>, shape{5, 4, 3}>();                  // of nothing
-    support::check_layer<dropout<50>, shape{5, 4, 3}>({.random = true}); // half
-    support::check_layer<dropout<90>, shape{1, 1, 7}>({.random = true}); // nine of ten
-}
-
 namespace {
 
 constexpr shape size{28, 50, 8};

@@ -10,12 +10,6 @@
 #include <vector>
 
 using namespace tactnet;
-using support::check_layer;
-
-TEST_CASE("relu: what must hold of every layer") {
-    check_layer<relu, shape{5, 4, 3}>();
-    check_layer<relu, shape{1, 1, 1}>();
-}
 
 TEST_CASE("relu: zeros of both signs, infinities and NaN") {
     using bound = trained_layer<relu, float, shape{1, 6, 1}>;
@@ -39,15 +33,6 @@ TEST_CASE("relu: zeros of both signs, infinities and NaN") {
         CHECK(in_gradient(0, e) == (e == 3 ? 1 : 0)); // none at zero itself
 }
 
-TEST_CASE("parametric_relu: what must hold of every layer, at sizes that fill no vector") {
-    check_layer<parametric_relu, shape{5, 4, 3}>();
-    check_layer<parametric_relu, shape{1, 1, 1}>();
-    check_layer<parametric_relu, shape{7, 6, 2}>({.low = -4, .high = 1});
-}
-TEST_CASE("parametric_relu: in a list, after a layer and before one that write over their inputs") {
-    check_layer<sequence<conv2d<4, 3>, relu, parametric_relu, relu, dense<3>>, shape{6, 5, 2}>();
-    check_layer<sequence<conv2d<4, 3>, batch_norm, parametric_relu, max_pool<2>, dense<3>>, shape{6, 5, 2}>();
-}
 TEST_CASE("parametric_relu: NaN stays NaN") {
     using bound = trained_layer<parametric_relu, float, shape{1, 3, 1}>;
     batch<float, shape{1, 3, 1}, kernels::lanes<float>> in(1), out(1);
@@ -61,12 +46,6 @@ TEST_CASE("parametric_relu: NaN stays NaN") {
     CHECK(out(0, 2) == 5);
 }
 static_assert(parametric_relu::costs({5, 7, 4}) == layer_costs{.output = {5, 7, 4}, .parameters = 4});
-
-TEST_CASE("softmax: what must hold of every layer") {
-    check_layer<softmax, shape{1, 1, 22}>();
-    check_layer<softmax, shape{2, 3, 4}>(); // over the channels of every pixel
-    check_layer<softmax, shape{1, 1, 1}>();
-}
 
 TEST_CASE("softmax_of: equal logits, and logits far apart") {
     std::vector<float> p(4);
@@ -93,12 +72,6 @@ TEST_CASE("softmax_of: NaN is not hidden") {
     kernels::softmax_of<float>(std::vector<float>{1, std::nanf(""), 2}, p);
     for (const float each : p)
         CHECK(std::isnan(each));
-}
-
-TEST_CASE("square_root: what must hold of every layer") {
-    check_layer<square_root<>, shape{2, 3, 5}>(); // positive and negative inputs
-    // Another offset, counts as they are.
-    check_layer<square_root<std::ratio<3, 8>>, shape{3, 7, 2}>({.low = 1, .high = 255});
 }
 
 // √(x + o) − √o would lose all digits of x where it is far smaller than o.

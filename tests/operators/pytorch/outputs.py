@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Writes what PyTorch's layers compute, for compare.cpp: python3 outputs.py FOLDER
+"""Writes what the modules of PyTorch in list.hpp compute, for the test of that list: python3 outputs.py LIST FOLDER
 
-FOLDER/NAME.safetensors holds a layer's arrays under PyTorch's names, inputs, outputs, a gradient of the outputs, and the
-gradients of inputs and arrays that follow from it. The names and sizes of the table stand in compare.cpp too.
+FOLDER/MODULE_SIZES.safetensors holds a module's arrays, inputs, outputs, a gradient of the outputs, and the gradients of inputs
+and arrays that follow from it, in order. PyTorch computes in double precision.
 """
 
 import pathlib
+import re
 import sys
 
 import torch
@@ -14,50 +15,62 @@ from torch import nn
 sys.path.append(str(pathlib.Path(__file__).parents[2] / "golden"))
 import weight_files
 
-# name: (layer, its name in the network, size of the input: channels, rows, columns)
-LAYERS = {
-    "adaptive_average_pool": (nn.AdaptiveAvgPool2d((3, 4)), "pool1", (2, 7, 11)),
-    "adaptive_max_pool": (nn.AdaptiveMaxPool2d((3, 4)), "pool1", (2, 7, 11)),
-    "adaptive_max_pool_larger": (nn.AdaptiveMaxPool2d((9, 2)), "pool1", (3, 5, 7)),
-    "conv2d": (nn.Conv2d(6, 9, (3, 2), (2, 1), 1, groups=3), "conv1", (6, 7, 5)),
-    "dilated_conv2d": (nn.Conv2d(3, 5, 3, padding="same", dilation=2), "conv1", (3, 7, 11)),
-    "dilated_conv2d_valid": (nn.Conv2d(4, 3, (3, 2), dilation=(2, 3)), "conv1", (4, 7, 5)),
-    "dilated_conv2d_strides": (nn.Conv2d(2, 7, 3, 2, 2, dilation=2), "conv1", (2, 9, 5)),
-    "dilated_conv2d_depthwise": (nn.Conv2d(5, 5, 3, padding="same", dilation=3, groups=5), "conv1", (5, 9, 7)),
-    "elu": (nn.ELU(), "elu1", (5, 7, 3)),
-    "elu_small": (nn.ELU(0.3), "elu1", (3, 5, 7)),
-    "parametric_relu": (nn.PReLU(5), "prelu1", (5, 7, 3)),
-    "transposed_conv2d": (nn.ConvTranspose2d(3, 5, (3, 4), (2, 3)), "conv1", (3, 5, 7)),
-    "transposed_conv2d_cropped": (nn.ConvTranspose2d(4, 7, 3, 2, 1, output_padding=1), "conv1", (4, 5, 3)),
-    "transposed_conv2d_gaps": (nn.ConvTranspose2d(2, 3, 2, 3, bias=False), "conv1", (2, 3, 5)),
-    "transposed_conv2d_pixel": (nn.ConvTranspose2d(3, 5, 1), "conv1", (3, 1, 1)),
-    "upsample_nearest": (nn.Upsample(scale_factor=3, mode="nearest"), "upsample1", (2, 5, 7)),
-    "upsample_nearest_to": (nn.Upsample((13, 5), mode="nearest"), "upsample1", (3, 5, 7)),
-    "upsample_bilinear": (nn.Upsample(scale_factor=(2, 3), mode="bilinear"), "upsample1", (2, 5, 7)),
-    "upsample_bilinear_to": (nn.Upsample((11, 17), mode="bilinear"), "upsample1", (3, 7, 13)),
-    "upsample_bilinear_smaller": (nn.Upsample((3, 5), mode="bilinear"), "upsample1", (2, 7, 13)),
-}
+
+class ChannelsLast(nn.LayerNorm):
+    """ConvNeXt's norm: over the channels of each pixel."""
+
+    def forward(self, x):
+        return super().forward(x.permute(0, 2, 3, 1)).permute(0, 3, 1, 2)
+
+
+class SqueezeExcitation(nn.Module):
+    """torchvision's, which needs no torchvision here."""
+
+    def __init__(self, channels, squeezed, scale):
+        super().__init__()
+        self.fc1, self.fc2 = nn.Conv2d(channels, squeezed, 1), nn.Conv2d(squeezed, channels, 1)
+        self.scale = scale
+
+    def forward(self, x):
+        factors = self.fc1(nn.functional.adaptive_avg_pool2d(x, 1)).relu()
+        return x * self.scale(self.fc2(factors))
+
+
+class LayerScale(nn.Module):
+    """timm's, which begins as ones here."""
+
+    def __init__(self, channels):
+        super().__init__()
+        self.gamma = nn.Parameter(torch.ones(channels))
+
+    def forward(self, x):
+        return x * self.gamma[:, None, None]
+
+
+class Residual(nn.Sequential):
+    def forward(self, x):
+        return x + super().forward(x)
+
+
 SAMPLES = 3
-
-
-folder = pathlib.Path(sys.argv[1])
+EXAMPLE = re.compile(r'^ *example<"[a-z_0-9]+", .*shape\{([0-9]+), ([0-9]+), ([0-9]+)\}, [a-z_<>0-9, ]+,\s*"(.*)">', re.M)
+examples = EXAMPLE.findall(re.sub(r"//.*", "", pathlib.Path(sys.argv[1]).read_text()))
+folder = pathlib.Path(sys.argv[2])
 folder.mkdir(parents=True, exist_ok=True)
 torch.manual_seed(1)
-for name, (layer, own_name, size) in LAYERS.items():
-    for parameter in layer.parameters():
+for rows, columns, channels, text in examples:
+    module = eval(text).double()  # pylint: disable=eval-used
+    for parameter in module.parameters():
         nn.init.uniform_(parameter, -1, 1)
-    x = (4 * torch.rand(SAMPLES, *size) - 2).requires_grad_()
-    y = layer(x)
-    gradient = 2 * torch.rand(y.shape) - 1
+        parameter.data = parameter.data.float().double()
+    x = (4 * torch.rand(SAMPLES, int(channels), int(rows), int(columns)) - 2).double().requires_grad_()
+    y = module(x)
+    gradient = (2 * torch.rand(y.shape) - 1).double()
     y.backward(gradient)
-    arrays = {f"{own_name}.{p}": value for p, value in layer.state_dict().items()}
-    arrays |= {
-        "selftest.input": x,
-        "selftest.output": y,
-        "selftest.output_gradient": gradient,
-        "selftest.input_gradient": x.grad,
-    }
-    arrays |= {f"selftest.gradient.{own_name}.{p}": value.grad for p, value in layer.named_parameters()}
-    arrays = {key: value.detach().numpy() for key, value in arrays.items()}
+    arrays = {"input": x, "output": y, "output_gradient": gradient, "input_gradient": x.grad}
+    for number, parameter in enumerate(module.parameters()):
+        arrays |= {f"parameter.{number}": parameter, f"gradient.{number}": parameter.grad}
+    arrays = {key: value.detach().contiguous().float().numpy() for key, value in arrays.items()}
+    name = re.sub("[^A-Za-z0-9]", "_", text) + f"_{rows}_{columns}_{channels}"
     weight_files.write(folder / f"{name}.safetensors", arrays)
-print(f"{len(LAYERS)} layers of PyTorch {torch.__version__}")
+print(f"{len(examples)} modules of PyTorch {torch.__version__}")

@@ -9,7 +9,6 @@
 #include <vector>
 
 using namespace tactnet;
-using support::check_layer;
 using support::same_bits;
 
 // Beyond what holds of every layer, a list gives the same bits as its layers called one by
@@ -119,15 +118,6 @@ void check_chain() {
 using small = sequence<conv2d<4, 3>, batch_norm, relu, max_pool<2>>;
 
 } // namespace
-
-TEST_CASE("sequence: what must hold of every layer") {
-    check_layer<small, shape{5, 4, 2}>();                        // a stage of a network
-    check_layer<sequence<conv2d<3, 2>, relu>, shape{4, 3, 1}>(); // ReLU over the convolution's own output
-    // One within another.
-    check_layer<sequence<sequence<conv2d<3, 3>, relu>, sequence<max_pool<2>, dense<4>>, softmax>,
-                shape{4, 5, 1}>();
-    check_layer<sequence<>, shape{4, 3, 2}>(); // without layers
-}
 
 TEST_CASE("sequence: the same bits as its layers one by one") {
     SUBCASE("a stage") {

@@ -16,18 +16,12 @@
 
 #include <cstddef>
 #include <string>
+#include <support/layers/conformance_options.hpp>
 #include <support/layers/erased.hpp>
 #include <support/layers/reference_of.hpp>
 #include <vector>
 
 namespace support {
-
-struct conformance_options {
-    double low = -2, high = 2; ///< range of the inputs
-    double epsilon = 1e-5;
-    /// Random in training: the reference then says nothing of training.
-    bool random = false;
-};
 
 struct conformance_subject {
     layer_maker<float> make_float;

@@ -17,6 +17,9 @@
 
 namespace support {
 
+/// What one rounding loses below the smallest normal number, at most: half of the smallest number of all.
+inline constexpr double lost = 0x1p-150;
+
 /// Sizes of one sample, when running.
 struct extents3 {
     std::size_t channels = 1, rows = 1, columns = 1;

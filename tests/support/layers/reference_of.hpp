@@ -3,12 +3,15 @@
 // The reference of a layer specification.
 
 #include <tactnet/operators.hpp>
+#include <tactnet/operators/lowering.hpp>
 #include <tactnet/operators/norm_relu_pool/training.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <numbers>
+#include <support/layers/plain_reference.hpp>
 #include <support/layers/reference.hpp>
 #include <support/layers/reference_of_maps.hpp>
 #include <utility>
@@ -16,8 +19,11 @@
 
 namespace support {
 
+/// Of an operator that has none below: what it says itself that it computes.
 template <class Spec>
-struct reference_of;
+struct reference_of {
+    static reference_pointer on(extents3 in) { return std::make_unique<plain_reference<Spec>>(in); }
+};
 
 template <std::size_t Filters, tactnet::extent2d Kernel, tactnet::extent2d Stride, tactnet::padding Padding,
           tactnet::conv2d_options Options>

@@ -22,9 +22,6 @@ inline double drift(const reference_call& call, double count, double size) {
     return count * square(call.roundoff * size);
 }
 
-/// What one rounding loses below the smallest normal number, at most: half of the smallest number of all.
-inline constexpr double lost = 0x1p-150;
-
 /// A layer without parameters that takes each sample by itself.
 class sample_by_sample : public reference_layer {
 public:
