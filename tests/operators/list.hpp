@@ -297,6 +297,7 @@ using all_examples = std::tuple<
     example<"residual", sequence<residual<sequence<conv2d<4, 3, 2>, batch_norm>, sequence<conv2d<4, 1, 2>, batch_norm>>, relu>, shape{5, 4, 2}, batches>,
     example<"residual", residual<sequence<conv2d<2, 3>, relu>>, shape{4, 3, 2}, batches>,
     example<"residual", residual<conv2d<3, 3>, conv2d<3, 1>>, shape{4, 3, 2}, batches>,
+    example<"rms_norm", rms_norm, shape{5, 4, 7}, all, "nn.Sequential(nn.LocalResponseNorm(15, 15 / 7, 0.5, 1e-5), LayerScale(7))">,
     example<"sample_norms", group_norm<2>, shape{3, 4, 6}, all, "nn.GroupNorm(2, 6)">,
     example<"sample_norms", group_norm<1>, shape{7, 5, 2}, batches, "nn.GroupNorm(1, 2)">, // more values than one run of a sum
     example<"sample_norms", group_norm<2>, shape{1, 1, 6}, batches>,

@@ -20,6 +20,7 @@
 #include TACTNET_FILE_OF(dilated_convolution)
 #include TACTNET_FILE_OF(pooling)
 #include TACTNET_FILE_OF(residual)
+#include TACTNET_FILE_OF(rms_norm)
 #include TACTNET_FILE_OF(sample_norms)
 #include TACTNET_FILE_OF(sequence)
 #include TACTNET_FILE_OF(temporal)
