@@ -58,7 +58,7 @@ def instruction_sets(include, compiler):
     table = re.search("// The table of names(.*)// Arguments are expanded", (pathlib.Path(include) / "tactnet/detail/config.hpp").read_text(), re.S)
     macros = dict.fromkeys(re.findall(r"__[A-Za-z0-9_]+", table[1]))
     macros["__ARM_FEATURE_SVE_BITS"] = "-D__ARM_FEATURE_SVE=1"
-    sets = ["-undef", *(f"-undef -D{macro}=1 {others or ''}" for macro, others in macros.items()), "-undef -D__ARM_FEATURE_MVE=3",
+    sets = ["-undef", *(f"-undef -D{macro}=1 {others or ''}" for macro, others in macros.items()), "-undef -D__ARM_FEATURE_MVE=3", "-undef -D__ARM_FEATURE_DOTPROD=1",
             "-undef -D__ARM_FEATURE_MVE=3 -DTACTNET_NO_SIMD", "-undef -D__SSE2__ -DTACTNET_NO_SIMD"]
     names = {}
     for options in [*sets, "-march=x86-64-v3", "-march=x86-64-v3 -DTACTNET_NO_SIMD"]:

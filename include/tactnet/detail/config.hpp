@@ -41,6 +41,16 @@
 #define TACTNET_NO_SIMD
 #endif
 
+// Clang before version 15 does not define __ARM_FEATURE_DOTPROD for Armv8.4 and later. Of these it tells
+// Armv8.5 and 9 from others.
+#if defined(__ARM_FEATURE_DOTPROD) ||                                                                        \
+    (defined(__clang__) && defined(__aarch64__) &&                                                           \
+     (defined(__ARM_FEATURE_FRINT) || defined(__ARM_FEATURE_MATMUL_INT8) || __ARM_ARCH >= 9))
+#define TACTNET_DOTPROD 1
+#elif defined(__clang__) && __clang_major__ < 15 && defined(__ARM_FEATURE_JCVT) && !defined(TACTNET_NO_SIMD)
+#pragma message("tactnet: this compiler does not say whether there are dot products: add +dotprod to -march")
+#endif
+
 // The table of names: each has a short form for the namespace and a long one for people.
 #define TACTNET_ARCH_SHORT(name, text) name
 #define TACTNET_ARCH_LONG(name, text) text
@@ -98,7 +108,7 @@
         __AVX512VBMI__, m, "_vbmi"),              \
         __AVX512VNNI__, n, "_vnni"),              \
         __AVXVNNI__, N, "_avxvnni"),              \
-        __ARM_FEATURE_DOTPROD, p, "_dotprod"),    \
+        TACTNET_DOTPROD, p, "_dotprod"),          \
         __ARM_FEATURE_SIMD32, s, "_dsp")
 // clang-format on
 

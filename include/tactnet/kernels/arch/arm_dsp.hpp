@@ -10,6 +10,9 @@
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels { namespace arch {
 
 struct arm_dsp : scalar {
+    /// Registers are so few that each weight is loaded and widened once, and inputs for each product.
+    static constexpr bool weight_by_weight = true;
+
     template <std::size_t Lanes>
     struct words {
         using staged = std::int16_t;
@@ -49,14 +52,18 @@ struct arm_dsp : scalar {
         static constexpr std::size_t max_sums = words<Lanes>::max_sums;
 
         [[gnu::always_inline]] static weights load(const std::int8_t* from) {
-            const auto bytes_of_group = load_bytes_as<int8x4_t>(aligned<4>(from));
+            using four [[gnu::may_alias]] = int8x4_t;
+            const int8x4_t bytes_of_group = *reinterpret_cast<const volatile four*>(from);
             int16x2_t second;
             // __sxtb16 of the bytes turned by 8 would be two instructions.
             asm("sxtb16 %0, %1, ror #8" : "=r"(second) : "r"(bytes_of_group));
             return {__sxtb16(bytes_of_group), second};
         }
         [[gnu::always_inline]] static inputs broadcast(const staged* from) {
-            return {load_bytes_as<int16x2_t>(from), load_bytes_as<int16x2_t>(from + 2)};
+            // Volatile for one instruction: GCC would load halves, early, and store them on the stack.
+            using both_pairs [[gnu::may_alias, gnu::aligned(4)]] = std::uint64_t;
+            const std::uint64_t both = *reinterpret_cast<const volatile both_pairs*>(from);
+            return {static_cast<int16x2_t>(both), static_cast<int16x2_t>(both >> 32)};
         }
         [[gnu::always_inline]] static int32_vec<Lanes> add(const int32_vec<Lanes>& sums, const weights& w,
                                                            const inputs& x) {

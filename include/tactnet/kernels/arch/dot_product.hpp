@@ -2,7 +2,7 @@
 
 #include <tactnet/kernels/arch/neon.hpp>
 
-#if !defined(TACTNET_NO_SIMD) && defined(__ARM_FEATURE_DOTPROD)
+#if !defined(TACTNET_NO_SIMD) && defined(TACTNET_DOTPROD)
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels { namespace arch {
 
@@ -17,7 +17,13 @@ struct dot_product : neon {
         }
         [[gnu::always_inline]] static int32_vec<Lanes>
         add(const int32_vec<Lanes>& sums, const int32_vec<Lanes>& w, const int32_vec<Lanes>& x) {
+#ifdef __ARM_FEATURE_DOTPROD
             return vdotq_s32(sums, vreinterpretq_s8_s32(w), vreinterpretq_s8_s32(x));
+#else // Clang 14 has the instruction, but not its function
+            int32_vec<Lanes> more = sums;
+            asm("sdot %0.4s, %1.16b, %2.16b" : "+w"(more) : "w"(w), "w"(x));
+            return more;
+#endif
         }
     };
 };

@@ -85,6 +85,9 @@ struct scalar {
     /// Lanes of the widest vector of 32-bit integers that the instruction set multiplies.
     static constexpr std::size_t integer_lanes = 1;
     static constexpr std::size_t vector_registers = 16;
+    /// Whether a block of integer sums adds the products of one weight after the other, or of one row of
+    /// inputs.
+    static constexpr bool weight_by_weight = false;
     /// Lanes of a vector of floats, if there are such vectors and xsimd has none.
     static constexpr std::size_t float_lanes = 1;
     /// Lanes of the widest vector of 32-bit integers that are rounded to bytes together.

@@ -90,6 +90,37 @@ add_integer_products(register_block<int32_vec<Layout::width>, Rows * Columns, Ve
     }
 }
 
+/// The same for one vector of filters, in another order.
+template <class Layout, std::size_t Rows, std::size_t Columns, frame_convolution C = Layout::convolution>
+[[gnu::always_inline]] inline void
+add_products_of_weights(register_block<int32_vec<Layout::width>, Rows * Columns, 1>& sums,
+                        const typename Layout::staged* input, const typename Layout::weight* weights) {
+    constexpr std::size_t from_row = C.window.stride.rows * Layout::pitch;
+    input += (Rows - 1) * from_row;
+    for (std::size_t in_pixel = 0; in_pixel < Layout::groups_of_pixel; ++in_pixel) {
+#pragma GCC unroll 64
+        for (std::size_t row = 0; row < C.window.kernel.rows; ++row) {
+            asm("" : "+r"(input)); // one address per row, near enough to be an offset from it
+#pragma GCC unroll 64
+            for (std::size_t in_row = 0; in_row < Layout::groups_of_row; ++in_row) {
+                const auto weight = Layout::products::load(weights);
+                weights += Layout::weights_of_group;
+#pragma GCC unroll 64
+                for (std::size_t p = 0; p < Rows * Columns; ++p) {
+                    const std::size_t column =
+                        p % Columns * C.window.stride.columns + in_row * Layout::columns_of_group;
+                    sums[p][0] = Layout::products::add(
+                        sums[p][0], weight,
+                        Layout::load(input + column * Layout::stride - (Rows - 1 - p / Columns) * from_row));
+                }
+            }
+            input += Layout::pitch;
+        }
+        input += Layout::group;
+        input -= C.window.kernel.rows * Layout::pitch;
+    }
+}
+
 /// The largest sum of a pool's window, the `o`-th of a register block.
 template <frame_convolution C, std::size_t Rows, std::size_t Columns, class Sums>
 [[nodiscard]] [[gnu::always_inline]] inline auto largest_sum(const Sums& sums, std::size_t v, std::size_t o) {
@@ -152,7 +183,10 @@ convolve_integer_filters(const typename Layout::staged* input, const typename La
             register_block<int32_vec<1>, Rows * Columns, vectors> sums;
             start_integer_sums<Layout, vectors, Rows, Columns>(sums, epilogue.from(first + f),
                                                                output + first + f);
-            add_integer_products<Layout, vectors, Rows, Columns>(sums, input, weights, {});
+            if constexpr (instructions::weight_by_weight && vectors == 1)
+                add_products_of_weights<Layout, Rows, Columns>(sums, input, weights);
+            else
+                add_integer_products<Layout, vectors, Rows, Columns>(sums, input, weights, {});
             weights += vectors * (Layout::weights / Layout::vectors);
 #pragma GCC unroll 64
             for (std::size_t v = 0; v < vectors; ++v)
