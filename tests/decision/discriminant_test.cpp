@@ -369,4 +369,5 @@ TEST_CASE("discriminant: what was saved is read by another program, and nothing 
         CHECK(after.restore(support::summed(wrong)) == restore_status::damaged);
     }
     CHECK(after.directions == before.directions);
+    CHECK(after.offset == before.offset);
 }

@@ -437,5 +437,17 @@ TEST_CASE("sensor_health: a state that is damaged, cut or of another array chang
     REQUIRE(saved.restore(support::summed(most)) == restore_status::ok);
     (void)cleaned(saved, frame{});
     CHECK(other.restore(saved.save()) == restore_status::ok);
+    // As many faults as there can be, and one more: nothing behind the bytes is read, as a sanitizer sees.
+    std::vector<std::byte> full(state.begin(), state.end());
+    std::fill(full.begin() + static_cast<std::ptrdiff_t>(faults), full.end(), std::byte{0});
+    full[faults] = std::byte{1};
+    for (std::size_t f = 0; f < health::max_faults; ++f) {
+        full[faults + 5 + 13 * f] = static_cast<std::byte>(f / 50);
+        full[faults + 5 + 13 * f + 2] = static_cast<std::byte>(f % 50);
+    }
+    for (const std::size_t count : {health::max_faults, health::max_faults + 1}) {
+        full[faults + 1] = static_cast<std::byte>(count);
+        CHECK((other.restore(support::summed(full)) == restore_status::ok) == (count == health::max_faults));
+    }
     CHECK(describe(restore_status::damaged) == "expected the bytes that were saved, found damage");
 }
