@@ -64,6 +64,7 @@ function(tactnet_add_program target)
         get_filename_component(header "${arg_HEADER}" ABSOLUTE)
     endif()
     set(folder "${CMAKE_CURRENT_BINARY_DIR}/${target}_units")
+    set(sources "") # not those of the caller
 
     foreach(unit IN LISTS networks)
         string(REGEX MATCH "^(.*)_(([0-9]+)x([0-9]+))$" unit "${unit}")
