@@ -1,6 +1,6 @@
 // tactnet: trains networks and support vector machines on a folder of tactile images, evaluates them,
-// recognises images, writes networks as C++ headers, simulates and checks images, and studies what accuracy
-// costs in time.
+// recognises images, writes networks as C++ headers, simulates and checks images, looks at sensors, and studies
+// what accuracy costs in time.
 //
 // Exit status: 0, 1 (a training diverged, images that are not right), 2 (bad input or arguments, output that
 // cannot be written), 130 (interrupted).
@@ -24,7 +24,7 @@ int run(int count, char** arguments) {
     program.option_defaults()->always_capture_default();
     std::vector<std::pair<CLI::App*, command>> commands;
     for (const auto add : {add_train, add_evaluate, add_classify, add_export, add_list, add_simulate,
-                           add_study, add_recommend, add_check}) {
+                           add_study, add_recommend, add_check, add_sensor}) {
         command action = add(program);
         commands.emplace_back(program.get_subcommands({}).back(), std::move(action));
     }

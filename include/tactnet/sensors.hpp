@@ -6,6 +6,7 @@
 #include <tactnet/sensors/described/cell_reader.hpp>
 #include <tactnet/sensors/described/description.hpp>
 #include <tactnet/sensors/described/description_file.hpp>
+#include <tactnet/sensors/described/guess.hpp>
 #include <tactnet/sensors/described/matrix_stream.hpp>
 #include <tactnet/sensors/described/text_stream.hpp>
 #include <tactnet/sensors/frame.hpp>

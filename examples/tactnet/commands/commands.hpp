@@ -29,3 +29,4 @@ command add_list(CLI::App& program);
 command add_recommend(CLI::App& program);
 command add_study(CLI::App& program);
 command add_simulate(CLI::App& program);
+command add_sensor(CLI::App& program);

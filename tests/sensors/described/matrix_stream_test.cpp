@@ -163,6 +163,7 @@ TEST_CASE("matrix_stream: broken cells are NaN, inverted counts are counts") {
                                       .broken_above = 4000};
     const auto counts = cells_of(inverted, "\x57\x08\0\0\x56\x08\x58\x08\xFF\xFF\xA1\x0F"s);
     CHECK(std::vector<float>(counts.begin(), counts.begin() + 4) == std::vector<float>{0, 2135, 1, 0});
+    CHECK_FALSE(std::signbit(counts[0]));
     CHECK(std::isnan(counts[4]));
     CHECK(std::isnan(counts[5]));
     const sensor_description below{

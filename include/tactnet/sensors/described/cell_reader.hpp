@@ -106,7 +106,7 @@ public:
         constexpr auto largest = static_cast<double>(std::numeric_limits<float>::max());
         const double count = sign_ * (value - offset_);
         if (!checks_ && count >= 0 && count <= largest) {
-            to = static_cast<float>(count);
+            to = static_cast<float>(count) + 0.0F; // no -0
             return true;
         }
         if (value > above_ || std::find(broken_.begin(), broken_.end(), value) != broken_.end() ||
@@ -116,7 +116,7 @@ public:
         }
         if (!(count <= largest) || (count < 0 && (!clamps_ || std::isinf(value))))
             return false;
-        to = static_cast<float>(count < 0 ? 0 : count);
+        to = static_cast<float>(count < 0 ? 0 : count) + 0.0F;
         return true;
     }
 
@@ -180,7 +180,7 @@ private:
         }
         for (std::size_t i = 0; i < cells; ++i) {
             const exact count = sign * (static_cast<exact>(load<Cell, Swap>(from, i)) - offset);
-            to[i] = static_cast<float>(count < 0 ? exact{0} : count);
+            to[i] = static_cast<float>(count < 0 ? exact{0} : count) + 0.0F; // no -0
         }
         return cells;
     }
