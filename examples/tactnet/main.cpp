@@ -1,6 +1,6 @@
 // tactnet: trains networks and support vector machines on a folder of tactile images, evaluates them,
-// recognises images, writes networks as C++ headers, simulates and checks images, looks at sensors, and studies
-// what accuracy costs in time.
+// recognises images, writes networks as C++ headers, simulates and checks images, looks at sensors, and
+// studies what accuracy costs in time.
 //
 // Exit status: 0, 1 (a training diverged, images that are not right), 2 (bad input or arguments, output that
 // cannot be written), 130 (interrupted).
