@@ -106,6 +106,8 @@ TEST_CASE_TEMPLATE_DEFINE("operators: PyTorch's outputs and gradients, within th
     layer.backward(x.view(), y.view(), dy.view(), dx.view(), own, threads, space);
 
     CHECK(outside(out, expected) == 0);
+    if (net::ends_in_softmax) // which the passes of a network leave to the loss
+        return;
     CHECK(outside(values_of(y, outputs, count), expected) == 0);
     if (!reference->has_backward())
         return;

@@ -53,7 +53,7 @@ class Residual(nn.Sequential):
 
 
 SAMPLES = 3
-EXAMPLE = re.compile(r'^ *example<"[a-z_0-9]+", .*shape\{([0-9]+), ([0-9]+), ([0-9]+)\}, [a-z_<>0-9, ]+,\s*"(.*)">', re.M)
+EXAMPLE = re.compile(r'^ *example<"[a-z_0-9]+", .*shape\{([0-9]+), ([0-9]+), ([0-9]+)\},\s*[a-z_<>0-9, ]+,\s*"(.*)">', re.M)
 examples = EXAMPLE.findall(re.sub(r"//.*", "", pathlib.Path(sys.argv[1]).read_text()))
 folder = pathlib.Path(sys.argv[2])
 folder.mkdir(parents=True, exist_ok=True)
