@@ -111,36 +111,56 @@ private:
         return halvings;
     }
     /// A few numbers far beyond all others would leave the others hardly any step of 8 or 16 bits. Where few
-    /// are, smaller ranges are tried, all of them together, and kept if they lose a tenth less: the others
+    /// are, smaller ranges are tried, one after the other, and kept if they lose a tenth less: the others
     /// saturate.
     [[gnu::cold]] void choose_ranges(const Network& network, std::span<const float> frames,
                                      std::span<const float> exact, std::span<const std::size_t> of_features,
                                      std::span<const std::size_t> of_maps) {
+        const std::span<const float> parameters = network.learnable_values();
         const std::vector<float> largest = largest_;
         const std::vector<std::pair<double, double>> ranges = ranges_;
-        const auto error_with = [&](std::size_t halvings) {
-            for (std::size_t f = 0; f < largest.size(); ++f)
-                largest_[f] = std::ldexp(largest[f], -static_cast<int>(std::min(halvings, of_features[f])));
-            for (std::size_t map = 0; map < ranges.size(); ++map) {
-                const auto& [lowest, highest] = ranges[map];
-                const double most = std::ldexp(std::max(-lowest, highest),
-                                               -static_cast<int>(std::min(halvings, of_maps[map])));
-                ranges_[map] = {std::max(lowest, -most), std::min(highest, most)};
+        std::vector<std::size_t> times(of_features.begin(), of_features.end());
+        times.insert(times.end(), of_maps.begin(), of_maps.end());
+        if (std::all_of(times.begin(), times.end(), [](std::size_t n) { return n == 0; }))
+            return;
+        // Of a feature, or of the map after all features.
+        const auto error_with = [&](std::size_t range, std::size_t smaller) {
+            const int n = static_cast<int>(smaller);
+            if (range < input.channels) {
+                largest_[range] = std::ldexp(largest[range], -n);
+            } else {
+                const auto& [lowest, highest] = ranges[range - input.channels];
+                const double most = std::ldexp(std::max(-lowest, highest), -n);
+                ranges_[range - input.channels] = {std::max(lowest, -most), std::min(highest, most)};
             }
-            fold(network.learnable_values());
+            fold(parameters);
             return error_of(frames, exact);
         };
-        std::size_t most = 0, best = 0;
-        for (const auto& times : {of_features, of_maps})
-            for (const std::size_t n : times)
-                most = std::max(most, n);
-        if (most == 0)
-            return;
+        std::vector<std::size_t> chosen(times.size());
         double least = error_of(frames, exact);
-        for (std::size_t n = 1; n <= most; ++n)
-            if (const double error = error_with(n); error < 0.9 * least)
-                least = error, best = n;
-        (void)error_with(best);
+        // One small range shows little between large ones: all at once come first.
+        const auto set_all = [&](const std::vector<std::size_t>& smaller) {
+            double error = 0;
+            for (std::size_t range = 0; range < times.size(); ++range)
+                error = error_with(range, smaller[range]);
+            return error;
+        };
+        if (const double error = set_all(times); error < 0.9 * least)
+            least = error, chosen = times;
+        else
+            set_all(chosen);
+        for (int round = 0; round < 2; ++round) // the best range of one depends on those of the others
+            for (std::size_t range = 0; range < times.size(); ++range) {
+                std::size_t best = chosen[range];
+                double error = 0.9 * least;
+                const std::size_t near = 3; // halvings
+                for (std::size_t n = best - std::min(best, near);
+                     n <= std::min(times[range], chosen[range] + near); ++n)
+                    if (const double found = n == chosen[range] ? least : error_with(range, n); found < error)
+                        error = found, best = n;
+                if (times[range] > 0)
+                    least = error_with(range, chosen[range] = best);
+            }
     }
     /// The mean squared error of outputs after each frame, without the largest hundredth: frames beyond all
     /// others must not decide.
