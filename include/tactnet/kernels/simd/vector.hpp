@@ -95,6 +95,28 @@ template <class T>
 
 #else
 
+namespace detail {
+
+/// A condition in each lane. Not a vector of the compiler: of Helium's comparisons, GCC 12 makes wrong code.
+template <std::size_t Lanes>
+struct mask_of_lanes {
+    std::array<bool, Lanes> holds;
+
+    friend mask_of_lanes operator!(mask_of_lanes a) {
+        for (bool& lane : a.holds)
+            lane = !lane;
+        return a;
+    }
+    friend mask_of_lanes operator||(mask_of_lanes a, const mask_of_lanes& b) {
+        for (std::size_t lane = 0; lane < Lanes; ++lane)
+            a.holds[lane] = a.holds[lane] || b.holds[lane];
+        return a;
+    }
+    friend mask_of_lanes operator&&(const mask_of_lanes& a, const mask_of_lanes& b) { return !(!a || !b); }
+};
+
+} // namespace detail
+
 /// The elements of a register: one, or those of a vector that the instruction set has without xsimd.
 template <class T>
 inline constexpr std::size_t lanes = std::is_same_v<T, float> ? instructions::float_lanes : 1;
@@ -134,10 +156,31 @@ struct vector {
     friend vector operator*(const vector& a, const vector& b) { return vector(a.data * b.data); }
     friend vector operator/(const vector& a, const vector& b) { return vector(a.data / b.data); }
     friend vector& operator+=(vector& a, const vector& b) { return a = a + b; }
-    friend auto operator>(const vector& a, const vector& b) { return a.data > b.data; }
-    friend auto operator<(const vector& a, const vector& b) { return a.data < b.data; }
-    friend auto operator==(const vector& a, const vector& b) { return a.data == b.data; }
-    friend auto operator!=(const vector& a, const vector& b) { return a.data != b.data; }
+    friend auto operator>(const vector& a, const vector& b) {
+        return compared(a, b, [](T x, T y) { return x > y; });
+    }
+    friend auto operator<(const vector& a, const vector& b) {
+        return compared(a, b, [](T x, T y) { return x < y; });
+    }
+    friend auto operator==(const vector& a, const vector& b) {
+        return compared(a, b, [](T x, T y) { return x == y; });
+    }
+    friend auto operator!=(const vector& a, const vector& b) {
+        return compared(a, b, [](T x, T y) { return x != y; });
+    }
+
+private:
+    template <class Holds>
+    [[nodiscard]] static auto compared(const vector& a, const vector& b, const Holds& holds) {
+        if constexpr (size == 1) {
+            return holds(a.data, b.data);
+        } else {
+            detail::mask_of_lanes<size> result;
+            for (std::size_t lane = 0; lane < size; ++lane)
+                result.holds[lane] = holds(a.data[lane], b.data[lane]);
+            return result;
+        }
+    }
 };
 template <class T>
 using mask = decltype(vector<T>{} > vector<T>{});
@@ -182,7 +225,11 @@ template <class T>
 }
 template <class T>
 [[nodiscard]] inline vector<T> choose(const mask<T>& condition, const vector<T>& yes, const vector<T>& no) {
-    return vector<T>(condition ? yes.data : no.data);
+    if constexpr (lanes<T> == 1)
+        return condition ? yes : no;
+    else
+        return each_lane<vector<T>>(
+            [&](std::size_t lane) { return condition.holds[lane] ? lane_of(yes, lane) : lane_of(no, lane); });
 }
 template <class T>
 [[nodiscard]] inline bool any_of(const mask<T>& condition) {
@@ -190,8 +237,8 @@ template <class T>
         return condition;
     } else {
         bool any = false;
-        for (std::size_t lane = 0; lane < lanes<T>; ++lane)
-            any = any || condition[lane];
+        for (const bool lane : condition.holds)
+            any = any || lane;
         return any;
     }
 }
