@@ -15,8 +15,8 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// When a program packs the weights of a header. Neither uses the heap.
 enum class header_packing {
-    when_compiling, ///< into read-only memory. Clang needs -fconstexpr-steps=4000000 for TactNet-6; GCC's
-                    ///< limits are enough
+    when_compiling, ///< into read-only memory. Clang needs -fconstexpr-steps=10000000 for TactNet-6, and
+                    ///< GCC for 32-bit ARM -fconstexpr-ops-limit=100000000 in 8 bits
     at_start        ///< into static memory before main, or earlier if the compiler's limits allow it
 };
 /// The earliest packing within the default limits of GCC 12 and Clang 14 for every instruction set: Clang
