@@ -14,7 +14,7 @@ template <class... Examples>
 std::string headers_of(const std::tuple<Examples...>&) {
     std::string text =
         "#include <cstddef>\n\ntemplate <std::size_t Number, bool InBytes>\nstruct exported;\n";
-    std::size_t number = 0;
+    std::size_t number = 100 * TACTNET_SLICE; // so that no two units have the same names
     const auto add = [&](const auto& network, const auto& frame, bool in_bytes) {
         const std::string name = (in_bytes ? "bytes_" : "single_") + std::to_string(number);
         text += tactnet::deployed_header(network, {.network = name, .namespace_name = name, .classes = {}},
