@@ -373,6 +373,41 @@ void check_gradients(subject_in<double>& subject, const reference_layer& referen
     CHECK(3 * sharp >= 2 * probes);
 }
 
+/// Gradients in single precision beside those in double, of a layer whose reference has none: as many
+/// roundings as there are terms, of numbers as large as the largest.
+void check_single_gradients(const subject_in<float>& single, subject_in<double>& twice,
+                            const conformance_options& options) {
+    const std::size_t count = lanes<float> + 1;
+    const plain in = distinct_inputs(count, single.inputs(), options);
+    const plain out_gradient = draw_samples(count, single.outputs(), 300);
+    std::copy(single.values().begin(), single.values().end(), twice.values().begin());
+    const auto found = single.train(interleaved<float>(in, single.inputs()),
+                                    interleaved<float>(out_gradient, single.outputs()), count);
+    const auto expected = twice.train(interleaved<double>(in, single.inputs()),
+                                      interleaved<double>(out_gradient, single.outputs()), count);
+    const double rounding = accumulated(unit_roundoff<float>, single.inputs() + count + 16);
+    const auto outside = [&](std::size_t size, const auto& is, const auto& should_be) {
+        double largest = 0;
+        for (std::size_t i = 0; i < size; ++i)
+            largest = std::max(largest, std::abs(should_be(i)));
+        std::size_t wrong = 0;
+        for (std::size_t i = 0; i < size; ++i)
+            wrong += !(std::abs(is(i) - should_be(i)) <= rounding * largest);
+        return wrong;
+    };
+    const std::size_t size = single.inputs();
+    CHECK(outside(
+              count * size,
+              [&](std::size_t i) {
+                  return static_cast<double>(element(found.in_gradient, size, i / size, i % size));
+              },
+              [&](std::size_t i) { return element(expected.in_gradient, size, i / size, i % size); }) == 0);
+    CHECK(outside(
+              expected.gradients.size(),
+              [&](std::size_t i) { return static_cast<double>(found.gradients[i]); },
+              [&](std::size_t i) { return expected.gradients[i]; }) == 0);
+}
+
 template <class T>
 void check_invariance(const subject_in<T>& subject, const conformance_options& options) {
     const std::size_t most = 3 * lanes<T> + 2, size = subject.outputs();
@@ -495,6 +530,8 @@ void check_conformance(const conformance_subject& given) {
     check_results(twice, given.reference, given.options);
     if (!given.options.random)
         check_gradients(twice, given.reference, given.options);
+    if (given.reference.compares_precisions())
+        check_single_gradients(single, twice, given.options);
     check_invariance(single, given.options);
     check_invariance(twice, given.options);
     check_memory(single, given.options);

@@ -87,6 +87,7 @@ public:
         parameters = costs.parameters;
         multiply_adds = costs.multiply_adds, multiply_adds_on_pixels = costs.multiply_adds_on_pixels;
     }
+    [[nodiscard]] bool compares_precisions() const override { return true; }
     [[nodiscard]] samples forward(const reference_call& call, const samples& in) const override {
         std::vector<tracked_number> values, x(input.size()), y(output.size());
         for (const double value : call.values)

@@ -67,6 +67,8 @@ public:
     [[nodiscard]] virtual samples forward(const reference_call& call, const samples& in) const = 0;
     /// Single layers only: lists are compared with the chain of their layers instead.
     [[nodiscard]] virtual bool has_backward() const { return false; }
+    /// Of a single layer without a backward: gradients in single precision are compared with those in double.
+    [[nodiscard]] virtual bool compares_precisions() const { return false; }
     [[nodiscard]] virtual reference_gradients backward(const reference_call&, const samples&,
                                                        const samples&) const {
         return {};
