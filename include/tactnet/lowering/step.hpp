@@ -35,8 +35,8 @@
 // Optional functions:
 //   run_share               computes the share of one thread in several frames
 //   run_batch               computes several frames on an executor (batch_executor.hpp)
-// A step with neither run_share nor run_batch computes one frame at a time. In every map, lanes beyond the
-// last channel of a pixel hold zeros.
+// A step with neither run_share nor run_batch computes one frame at a time. In every map of floats, lanes
+// beyond the last channel of a pixel hold zeros; in 8 bits they hold anything.
 //
 // In a stream, whose frames are maps {1, 1, features}, a step may remember something from frame to frame: its
 // `state`, a plain struct, whose initial value begins a recording. `run` then has it as one more argument,

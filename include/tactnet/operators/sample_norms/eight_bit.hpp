@@ -60,7 +60,7 @@ public:
     static constexpr void pack(const float* from, std::int8_t* to) {
         const auto [input, added, result] = arrays.read_ranges(from);
         const double parts = static_cast<double>(kernel_norm::parts) / static_cast<double>(result.scale);
-        // `most` and `least` keep products and 1 ÷ √margin finite; checks.hpp rejects larger biases.
+        // `most` and `least` keep products and 1 ÷ √margin finite; larger biases are rejected.
         constexpr double most = 1e38, most_bias = static_cast<double>(kernel_norm::most_parts), least = 1e-30;
         for (std::size_t w = 0; w < weights; ++w) {
             const std::size_t place = per_element ? w % Map.area() * Stride + w / Map.area() : w;

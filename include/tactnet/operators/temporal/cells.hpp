@@ -14,7 +14,7 @@
 //                                     declares it
 //   open(in, hidden, kept), update(kept, state)
 //   backward(kept, before, gradient, in, hidden)
-// as in gru_cell.hpp. `in` and `hidden` are the gates' sums over the input and over the hidden state, each
+// as in gru_cell below. `in` and `hidden` are the gates' sums over the input and over the hidden state, each
 // with its bias; the first state is the hidden state, which is the output. Each function takes arrays of
 // kernels::vector<float> or of double.
 
