@@ -385,7 +385,8 @@ void check_single_gradients(const subject_in<float>& single, subject_in<double>&
                                     interleaved<float>(out_gradient, single.outputs()), count);
     const auto expected = twice.train(interleaved<double>(in, single.inputs()),
                                       interleaved<double>(out_gradient, single.outputs()), count);
-    const double rounding = accumulated(unit_roundoff<float>, single.inputs() + count + 16);
+    const double rounding =
+        accumulated(unit_roundoff<float>, static_cast<double>(single.inputs() + count + 16));
     const auto outside = [&](std::size_t size, const auto& is, const auto& should_be) {
         double largest = 0;
         for (std::size_t i = 0; i < size; ++i)
