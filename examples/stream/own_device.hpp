@@ -33,12 +33,15 @@ public:
             const std::size_t known = std::min(rest.size(), start.size());
             if (!std::equal(start.begin(), start.begin() + static_cast<std::ptrdiff_t>(known),
                             rest.begin())) {
-                lose_step(at, "'TN' in front of a packet", "other bytes");
+                if (in_step_) // else one joins the stream here, and may do so anywhere
+                    report_once(at, "'TN' in front of a packet", "other bytes");
+                lose_step();
                 ++at;
             } else if (rest.size() < packet_size) {
                 break;
             } else if (const std::byte sum = sum_of(rest); sum != std::byte{0}) {
-                lose_step(at, "a sum of zero", std::to_string(static_cast<int>(sum)));
+                report_once(at, "a sum of zero", std::to_string(static_cast<int>(sum)));
+                lose_step();
                 ++at;
             } else {
                 read_packet(rest, at, sink);
@@ -68,10 +71,13 @@ private:
             sum ^= byte;
         return sum;
     }
-    /// Reports damage after a packet once. One may join a stream anywhere.
-    void lose_step(std::size_t at, std::string expected, std::string found) {
-        if (in_step_)
+    /// Once until the next packet: what was lost may look like the start of several.
+    void report_once(std::size_t at, std::string expected, std::string found) {
+        if (!reported_)
             fail({byte_ + at, 0, frames() + 1, std::move(expected), std::move(found)});
+        reported_ = true;
+    }
+    void lose_step() {
         in_step_ = false;
         last_.reset();
     }
@@ -79,6 +85,7 @@ private:
     template <class Sink>
     void read_packet(std::span<const std::byte> packet, std::size_t at, Sink& sink) {
         in_step_ = true;
+        reported_ = false;
         // The cells of a packet after others that were lost, doubled or exchanged are good all the same.
         const auto number = std::to_integer<unsigned>(packet[start.size()]);
         if (const unsigned next = last_ ? (*last_ + 1) % 256 : number; number != next)
@@ -92,7 +99,7 @@ private:
 
     std::vector<std::byte> bytes_; ///< from byte number `byte_` on
     std::size_t byte_ = 0;
-    bool in_step_ = false;
+    bool in_step_ = false, reported_ = false;
     std::optional<unsigned> last_; ///< the number of the packet before
 };
 static_assert(tactnet::frame_decoder<own_device>);
