@@ -44,8 +44,8 @@ struct fault_limits {
     /// How many neighbours are low or pressed. With 6, the default from 1000 tactels on, parts of rows and
     /// columns are found; with 7, the default of smaller arrays, pairs of tactels and whole rows and columns.
     std::optional<std::uint8_t> neighbours{};
-    /// A spike is so many times larger than what is low beside it, from 8. By default 8, or 16 below 1000
-    /// tactels.
+    /// A tactel is a spike if it exceeds its low neighbours by this factor, at least 8. By default 8, or 16
+    /// below 1000 tactels.
     std::optional<std::uint8_t> ratio{};
 };
 

@@ -97,7 +97,7 @@ template <class Network, class Format, class View>
     return filled({parts[0], header_beginning, parts[1], header_end}, fields);
 }
 
-/// What a view is told besides its packed weights, where this is not what it assumes.
+/// The arguments of a view after its packed weights, if they differ from the defaults.
 [[nodiscard]] inline std::string known_arguments(const header_description& description, double temperature) {
     const std::string classes = description.classes.empty() ? "recogniser_type::outputs" : "classes.size()";
     if (temperature != 1)

@@ -114,7 +114,7 @@ public:
         return output;
     }
     /// The bytes of a model of this graph. A size of 0 is that of the batch, which is open. `properties` are
-    /// names and values for whoever reads the file.
+    /// stored as the file's metadata: names and values.
     [[nodiscard]] std::string
     file(std::string_view input, std::initializer_list<std::size_t> input_sizes, std::string_view output,
          std::initializer_list<std::size_t> output_sizes, std::size_t operator_set,
