@@ -5,7 +5,8 @@
 //  - costs and shapes: as in the reference, and as the described arrays add up
 //  - results: inference and training within the derived bound of the reference, in single and in double
 //  precision
-//  - gradients: in double against finite differences; of single layers also within the derived bound, in both,
+//  - gradients: in double against finite differences; of single layers also within the derived bound, in
+//  both,
 //    or, without a backward in the reference, in single precision beside those in double
 //  - the same bits in any batch, at any place of it, with any number of threads, and in a memory used before,
 //  even
