@@ -3,14 +3,11 @@
 // What must hold of every layer, as one check: check_layer<conv2d<8, 5>, shape{28, 50, 1}>().
 //
 //  - costs and shapes: as in the reference, and as the described arrays add up
-//  - results: inference and training within the derived bound of the reference, in single and in double
-//  precision
-//  - gradients: in double against finite differences; of single layers also within the derived bound, in
-//  both,
-//    or, without a backward in the reference, in single precision beside those in double
-//  - the same bits in any batch, at any place of it, with any number of threads, and in a memory used before,
-//  even
-//    for something broken
+//  - results: inference and training within the derived bound of the reference, in both precisions
+//  - gradients: in double against finite differences; of single layers also within the derived bound, or,
+//    without a backward in the reference, in single precision beside those in double
+//  - the same bits in any batch, at any place of it, with any number of threads, and in a memory used
+//    before, even for something broken
 //  - in place where the layer says so; its output is not read where it does not say so
 //  - no heap in the second inference of a size
 
