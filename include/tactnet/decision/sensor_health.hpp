@@ -87,24 +87,10 @@ public:
     /// but leaves tactels as they are that are `pressed`.
     void follow(frame air) noexcept {
         const level* const counts = take(air);
-        const std::uint16_t step = settings_.follow;
         const auto pressed = static_cast<std::uint16_t>(
             settings_.pressed < 255 ? std::min(255, settings_.pressed + offset_) * 256 : 0xFFFF);
-        const auto most = static_cast<std::uint16_t>(stuck_level() > 0 ? stuck_level() - 1 : 0);
-        for (std::size_t i = 0; i < size; ++i) {
-            const auto target = static_cast<std::uint16_t>(counts[i] * levels_per_count);
-            const std::uint16_t now = level_[i];
-            // In 16 bits throughout, for vectors of them: a difference, or 0, is one of the larger.
-            const auto above = [](std::uint16_t a, std::uint16_t b) {
-                return static_cast<std::uint16_t>(std::max(a, b) - b);
-            };
-            const std::uint16_t distance = above(target, now);
-            const std::uint16_t room = std::min(above(most, now), above(pressed, distance));
-            const auto up = static_cast<std::uint16_t>(now < target ? std::min(step, room) : 0);
-            const auto down = static_cast<std::uint16_t>(now > target ? std::min(step, now) : 0);
-            level_[i] = static_cast<std::uint16_t>(now + up - down);
-        }
-        set_baseline();
+        kernels::follow_levels<size>(counts, settings_.follow, pressed, stuck_level(), level_.data(),
+                                     baseline_.data());
     }
 
     /// Returns a frame as it would be without offsets and faults. The result is valid until the next call.
@@ -235,12 +221,11 @@ private:
     }
     /// A stuck tactel keeps its counts, to be seen when it moves again.
     void set_baseline() noexcept {
-        const std::uint16_t stuck = stuck_level();
         for (std::size_t i = 0; i < size; ++i) {
             constexpr auto half = static_cast<std::uint16_t>(levels_per_count / 2);
             const auto rounded =
                 static_cast<level>(static_cast<std::uint16_t>(level_[i] + half) / levels_per_count);
-            baseline_[i] = level_[i] >= stuck ? level{0} : rounded;
+            baseline_[i] = level_[i] >= stuck_level() ? level{0} : rounded;
         }
     }
     void add_fault(std::size_t place, tactel_fault_kind kind) noexcept {

@@ -158,6 +158,42 @@ template <std::size_t Size, class Count>
     return all != 0;
 }
 
+/// Moves each of `Size` levels, in 1/256 count, by `step` towards its count: up to less than `stuck`, and not
+/// towards one that is `pressed` above it. Writes them as the elements of `counts`, 0 from `stuck` on.
+template <std::size_t Size, class Count>
+void follow_levels(const Count* counts, std::uint16_t step, std::uint16_t pressed, std::uint16_t stuck,
+                   std::uint16_t* levels, Count* baseline) noexcept {
+    constexpr std::size_t width = count_lanes / sizeof(std::uint16_t);
+    constexpr int shift = sizeof(Count) == 1 ? 8 : 0;
+    using words = detail::count_words<std::uint16_t>;
+    using loaded = typename detail::compiler_vector<Count, width>::type;
+    const auto most = static_cast<std::uint16_t>(stuck > 0 ? stuck - 1 : 0);
+    const auto smaller = [](const words& a, const words& b) -> words { return a < b ? a : b; };
+    const auto above = [](const words& a, const words& b) -> words { return (a < b ? b : a) - b; };
+    const auto take = [&](std::size_t i, std::size_t elements) {
+        loaded count{};
+        words now{};
+        std::memcpy(&count, counts + i, elements * sizeof(Count));
+        std::memcpy(&now, levels + i, elements * sizeof(std::uint16_t));
+        const words target = __builtin_convertvector(count, words) << shift;
+        const words rise = above(target, now),
+                    room = smaller(above(words{} + most, now), above(words{} + pressed, rise));
+        const words up = smaller(words{} + step, room) & reinterpret_cast<words>(rise != 0);
+        const words down = smaller(words{} + step, now) & reinterpret_cast<words>(above(now, target) != 0);
+        const words next = now + up - down;
+        const auto rounded =
+            __builtin_convertvector(((next + static_cast<std::uint16_t>(shift * 16)) >> shift) &
+                                        reinterpret_cast<words>(next < stuck),
+                                    loaded);
+        std::memcpy(levels + i, &next, elements * sizeof(std::uint16_t));
+        std::memcpy(baseline + i, &rounded, elements * sizeof(Count));
+    };
+    for (std::size_t i = 0; i + width <= Size; i += width)
+        take(i, width);
+    if constexpr (Size % width > 0)
+        take(Size / width * width, Size % width);
+}
+
 /// How many of `Size` counts are at least `pressed`, and the sum of these.
 struct pressed_tally {
     std::uint32_t area = 0, force = 0;
