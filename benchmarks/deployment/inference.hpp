@@ -1,22 +1,17 @@
 #pragma once
 
 #include "../peers/peer.hpp"
+#include "../support/checked_network.hpp"
 #include "../support/described_network.hpp"
 
-#include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/quantisation.hpp>
-#include <tactnet/training/initialise.hpp>
 
-#include <algorithm>
 #include <benchmark/benchmark.h>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
 #include <span>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 // Deployed inference and its peers: one network at one size, in batches of 1 and 64, in single precision
@@ -36,58 +31,13 @@ inline std::vector<inference_case>& inference_cases() {
     return cases;
 }
 
-/// A network as after training: random weights, statistics that differ from channel to channel.
-template <class Network>
-Network trained_network() {
-    Network network;
-    tactnet::initialise(network, tactnet::he_normal{}, 1);
-    tactnet::random_stream random(2, tactnet::random_purposes::order);
-    for (float& s : network.running_statistics())
-        s = static_cast<float>(random.uniform(0.5, 2));
-    for (float& v : network.learnable_values())
-        v += static_cast<float>(random.uniform(-0.02, 0.02));
-    return network;
-}
-
-template <class Network>
-std::vector<double> exact_logits(const Network& network, const std::vector<float>& frames) {
-    using exact_network = typename Network::template with_value_type<double>;
-    exact_network exact;
-    std::copy_n(network.learnable_values().begin(), Network::parameters, exact.learnable_values().begin());
-    std::copy_n(network.running_statistics().begin(), Network::statistics,
-                exact.running_statistics().begin());
-    const std::size_t count = frames.size() / Network::input_shape.size();
-    tactnet::thread_pool one(1);
-    typename exact_network::workspace space;
-    typename exact_network::input_batch in(count);
-    typename exact_network::output_batch out(count);
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t e = 0; e < Network::input_shape.size(); ++e)
-            in(i, e) = static_cast<double>(frames[i * Network::input_shape.size() + e]);
-    exact.prepare(one, space);
-    exact.infer(in, out, one, space);
-    std::vector<double> logits;
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t o = 0; o < Network::outputs; ++o)
-            logits.push_back(out(i, o));
-    return logits;
-}
-
-/// Largest errors of logits, as shares of the largest logit. In 8 bits: an order of magnitude above what is
-/// seen, and below what one wrong weight in a hundred makes.
-inline constexpr double float_tolerance = 1e-4, byte_tolerance = 0.1;
-
 /// Times body(), which fills `logits`, and refuses wrong ones.
 template <class Body>
 void time_checked(State& state, std::vector<float>& logits, const std::vector<double>& expected,
                   double tolerance, Body body) {
     body();
-    double error = 0, largest = 0;
-    for (std::size_t i = 0; i < logits.size(); ++i) {
-        error = std::max(error, std::abs(static_cast<double>(logits[i]) - expected[i]));
-        largest = std::max(largest, std::abs(expected[i]));
-    }
-    if (!(error < tolerance * largest)) {
+    const double error = error_of(logits, expected);
+    if (!(error < tolerance)) {
         state.SkipWithError("wrong logits");
         return;
     }
@@ -98,7 +48,7 @@ void time_checked(State& state, std::vector<float>& logits, const std::vector<do
     }
     if (first != logits)
         state.SkipWithError("logits differ from run to run");
-    state.counters["error"] = error / largest;
+    state.counters["error"] = error;
 }
 
 /// What rounds and benchmarks share, made when the first of them runs: it takes longer than they do.
@@ -111,23 +61,6 @@ auto made_once(Make make) {
         return **kept;
     };
 }
-
-/// A network, frames, and its outputs for them in double precision.
-template <class Network, class Count>
-struct task {
-    Network network = trained_network<Network>();
-    std::vector<Count> frames;
-    std::vector<double> expected;
-
-    task(std::size_t batch, double low, double high) : frames(batch * Network::input_shape.size()) {
-        tactnet::random_stream random(3, tactnet::random_purposes::order);
-        for (Count& f : frames) {
-            const double value = random.uniform(low, high);
-            f = static_cast<Count>(std::is_same_v<Count, float> ? value : std::max(value, 0.0));
-        }
-        expected = exact_logits(network, std::vector<float>(frames.begin(), frames.end()));
-    }
-};
 
 /// Times `deployed` on the frames of a task.
 template <class Network, class Count, class Deployed>

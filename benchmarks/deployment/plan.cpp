@@ -9,6 +9,7 @@
 
 #include "plan.hpp"
 
+#include "../support/options.hpp"
 #include "../support/peak.hpp"
 
 #include <tactnet/detail/instruction_set.hpp>
@@ -86,17 +87,6 @@ void print(const benchmark::network_report& report, const cache_sizes& caches, d
     std::printf("  %-76s %8.2f\n", "all layers, the clock between them", 1e6 * sum);
 }
 
-/// Whether the option names this network, or none.
-bool chosen(std::string_view list, std::string_view name) {
-    while (!list.empty()) {
-        const std::string_view one = list.substr(0, list.find(','));
-        if (one == name)
-            return true;
-        list.remove_prefix(std::min(one.size() + 1, list.size()));
-    }
-    return false;
-}
-
 } // namespace
 
 int main(int argc, char** argv) {
@@ -122,7 +112,7 @@ int main(int argc, char** argv) {
     std::sort(cases.begin(), cases.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
     std::vector<const benchmark::plan_case*> wanted;
     for (const benchmark::plan_case& one : cases)
-        if (networks.empty() || chosen(networks, one.name))
+        if (benchmark::listed(networks, one.name))
             wanted.push_back(&one);
     if (wanted.empty()) {
         std::fprintf(stderr, "benchmark_plan: expected some of");
