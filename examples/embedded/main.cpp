@@ -1,12 +1,11 @@
 // What a firmware does with a deployed network: no files, no heap, no exceptions, no run-time type
 // information. recogniser.hpp was written by `tactnet export`, or as in write_header.cpp.
 
+#include "board.hpp"
 #include "recogniser.hpp"
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
-#include <string_view>
 
 namespace {
 
@@ -16,9 +15,9 @@ std::array<std::uint8_t, gripper::recogniser_type::input_shape.size()> read_tact
 }
 
 /// Stands for the display.
-std::string_view shown;
-void show(std::string_view object) {
-    shown = object;
+void show(const char* object) {
+    print(object);
+    print("\n");
 }
 
 } // namespace
@@ -32,6 +31,6 @@ int main() {
     const auto found = gripper::recogniser.classify(counts);
     if (!found)
         return 1;
-    show(gripper::classes[found->index]);
+    show(gripper::classes[found->index].data()); // a literal, which ends in a zero
     return 0;
 }

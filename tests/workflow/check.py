@@ -36,7 +36,7 @@ def check_paths():
     presets = {preset["name"] for preset in configured} | {"full"}
     named = [root / "CMakePresets.json", root / "conanfile.py", root / "README.md", root / "CONTRIBUTING.md"]
     for folder in ("scripts", ".ci", ".github", "packaging"):
-        named += (path for path in (root / folder).rglob("*") if path.is_file())
+        named += (path for path in (root / folder).rglob("*") if path.is_file() and "boards" not in path.parts)  # which name what they make
     for folder in ("docs", "examples", "benchmarks"):
         for pattern in ("*.py", "*.sh", "make"):
             named += (root / folder).rglob(pattern)

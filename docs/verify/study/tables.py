@@ -128,7 +128,7 @@ expect_in_readme(
 )
 expect_in_readme("docs/verify/study/study.md", r"\n[|] tactnet4 in 8 bits [|] 7 × 13 [|] ([0-9.]+) ", "the smallest network {1} µs")
 expect_in_readme(
-    "docs/recognise/eight_bit.md",
-    r"Cortex-M7, `-Os` [|] flash, kB [|] [0-9.]+ [|] ([0-9.]+) [|]\n[|] [|] RAM[^|]*[|] [0-9.]+ [|] ([0-9.]+) [|]",
+    "docs/recognise/deployment.md",
+    r"Cortex-M7 [|] ([0-9.]+) [|] ([0-9.]+) [|]",
     "{1} kB of flash and {2} kB of RAM on an emulated Cortex-M7",
 )

@@ -3,7 +3,7 @@
 
 #include "decisions.hpp"
 
-#include "board.hpp"
+#include "costs.hpp"
 
 #include TEST_HEADER
 
@@ -13,18 +13,17 @@ decisions::life all;
 
 } // namespace
 
-extern "C" void reset() {
-    start_board();
+int main() {
     const bool agrees = all.play().agrees(expected);
-#ifdef TEST_REPORT
+#ifdef SEMIHOSTING
     if (!agrees)
-        leave(2);
+        return 2;
     all.begin_touch();
     tell_costs([] { return all.repeat(); });
-    leave(0);
+    return 0;
 #else
     for (;;)
         if (!agrees || !all.repeat())
-            return;
+            return 1;
 #endif
 }

@@ -1,6 +1,7 @@
 // Writes TactNet-4 for 14 × 25 tactels as two headers, in single precision and in 8 bits. Its weights are
 // drawn: what a network takes of a microcontroller does not depend on what it has learnt. A third and a
-// fourth header hold a stream in both formats, a fifth what decisions come to on this machine.
+// fourth header hold a stream in both formats, a fifth what decisions come to on this machine, a sixth
+// TactNet-4 for 16 × 16 tactels in 8 bits, for the examples of frameworks.
 
 #include "decisions.hpp"
 
@@ -25,8 +26,8 @@
 int main(int count, char** arguments) {
     using network = tactnet::tactnet4<tactnet::shape{14, 25}, 22>;
     constexpr std::size_t pixels = network::input_shape.size(), images = 20;
-    if (count != 6) {
-        std::fprintf(stderr, "write_headers: expected five headers to write\n");
+    if (count != 7) {
+        std::fprintf(stderr, "write_headers: expected six headers to write\n");
         return 2;
     }
     try {
@@ -53,6 +54,18 @@ int main(int count, char** arguments) {
             arguments[2],
             tactnet::deployed_header(
                 tactnet::deploy<tactnet::eight_bit>(model, std::span(std::as_const(touches))), says, frame));
+        tactnet::model<tactnet::tactnet4<tactnet::shape{16, 16}, 4>> matrix;
+        tactnet::initialise(matrix.network, tactnet::he_normal{}, 0);
+        matrix.classes = {"ball", "bar", "ring", "plane"};
+        matrix.normalise.scale = model.normalise.scale;
+        const std::span<const std::uint8_t> matrices = std::span(std::as_const(touches)).first<27 * 256>();
+        const tactnet::header_description named{.network = "TactNet-4",
+                                                .namespace_name = "gripper",
+                                                .classes = matrix.classes,
+                                                .when = says.when};
+        tactnet::write_file(arguments[6],
+                            tactnet::deployed_header(tactnet::deploy<tactnet::eight_bit>(matrix, matrices),
+                                                     named, matrices.first<256>()));
         // Squeezes of 50 frames with 3 features, as simulated ones have.
         using sequences = tactnet::network<tactnet::shape{50, 1, 3}, tactnet::gru<16>, tactnet::last_frame,
                                            tactnet::dense<3>>;

@@ -41,10 +41,18 @@ inline constexpr std::array<float, recogniser_type::outputs> selftest_outputs{
 @frame outputs@};
 
 /// Whether this build reproduces the recorded outputs of the frame.
-inline bool passes_selftest(@memory parameter@) noexcept {
+@on a stack@inline bool passes_selftest(recogniser_type::workspace& memory) noexcept {
     std::array<float, recogniser_type::outputs> outputs;
-    if (recogniser.infer(selftest_frame, outputs@memory@) != tactnet::frame_status::ok)
+    if (recogniser.infer(selftest_frame, outputs, memory) != tactnet::frame_status::ok)
         return false;
+)";
+
+inline constexpr const char* selftest_on_stack =
+    R"(inline bool passes_selftest(recogniser_type::workspace& memory) noexcept;
+inline bool passes_selftest() noexcept {
+    recogniser_type::workspace memory;
+    return passes_selftest(memory);
+}
 )";
 
 inline constexpr std::string_view stream_comment =
@@ -138,8 +146,7 @@ template <class Network, class Format>
          {"size", detail::size_of(input)},
          {"remaining", std::to_string(view::folded_elements - view::steps_folded)},
          {"known", detail::known_arguments(description, network.temperature())},
-         {"memory", on_stack ? "" : ", memory"},
-         {"memory parameter", on_stack ? "" : "recogniser_type::workspace& memory"},
+         {"on a stack", on_stack ? detail::selftest_on_stack : ""},
          {"frame", detail::number_lines<std::uint8_t>(
                        frame, [](std::uint8_t count) { return std::to_string(count); })}});
 }
