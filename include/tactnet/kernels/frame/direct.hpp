@@ -3,6 +3,7 @@
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/method_list.hpp>
+#include <tactnet/kernels/simd/prefetch.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
@@ -52,6 +53,8 @@ template <frame_convolution C, std::size_t Vectors, std::size_t Rows, std::size_
     }
 
     for (std::size_t channel = 0; channel < C.window.input.channels; ++channel) {
+        prefetch_weights<kernel.area() * Vectors * width * sizeof(float), C.weights() * sizeof(float),
+                         Rows * Columns>(weights + prefetch_distance_bytes / sizeof(float));
 #pragma GCC unroll 64
         for (std::size_t r = 0; r < footprint_rows; ++r) {
             if (r < where.first_row || r >= where.last_row)

@@ -2,6 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame/winograd_tiles.hpp>
+#include <tactnet/kernels/simd/prefetch.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
@@ -71,6 +72,8 @@ template <frame_convolution C, extent2d Outputs, std::size_t Vectors, std::size_
 #pragma GCC unroll 64
         for (std::size_t v = 0; v < Vectors; ++v)
             w[v] = load_as<wide>(weights + (channel * Vectors + v) * C.width());
+        prefetch_weights<Vectors * C.width() * sizeof(float), tiles::weight_bytes, Tiles>(
+            weights + (tiles::channels + channel) * Vectors * C.width()); // of the next element
 #pragma GCC unroll 64
         for (std::size_t t = 0; t < Tiles; ++t) {
             const wide x(input[t * tiles::input_stride + channel]);

@@ -113,13 +113,14 @@ struct winograd_tiles {
     static constexpr std::size_t input_stride = input_vectors * input_width;
     static constexpr std::size_t block_vectors = tile_block_vectors(C, tiles_per_frame);
     static constexpr std::size_t block_stride = block_vectors * C.width();
+    static constexpr std::size_t weight_bytes = elements * channels * C.padded_filters() * sizeof(float);
 
     /// Tiles of a band, which passes all transforms before the next begins: as many as the first level of
     /// cache holds if the kernels are small enough to be read again for each band; otherwise all.
     static constexpr std::size_t band = [] {
         constexpr std::size_t of_a_tile = elements * (input_stride + block_stride) * sizeof(float);
         constexpr std::size_t most = std::max<std::size_t>(l1_map_bytes / of_a_tile, 8);
-        if (elements * channels * C.padded_filters() * sizeof(float) > l2_weight_bytes)
+        if (weight_bytes > l2_weight_bytes)
             return count;
         const std::size_t bands = ceil_div(count, most);
         return ceil_div(count, bands);

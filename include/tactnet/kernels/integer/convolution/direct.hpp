@@ -4,6 +4,7 @@
 #include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/integer/convolution/direct_layout.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
+#include <tactnet/kernels/simd/prefetch.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
@@ -56,7 +57,11 @@ add_integer_products(register_block<int32_vec<Layout::width>, Rows * Columns, Ve
     constexpr std::size_t footprint_rows = (Rows - 1) * C.window.stride.rows + C.window.kernel.rows;
     constexpr std::size_t under_columns =
         (Columns - 1) * step + (Layout::groups_of_row - 1) * Layout::columns_of_group + 1;
+    constexpr std::size_t of_group =
+        C.window.kernel.rows * Layout::groups_of_row * Vectors * Layout::weights_of_group;
     for (std::size_t in_pixel = 0; in_pixel < Layout::groups_of_pixel; ++in_pixel) {
+        prefetch_weights<of_group * sizeof(*weights), Layout::weights * sizeof(*weights), Rows * Columns>(
+            weights + prefetch_distance_bytes / sizeof(*weights));
 #pragma GCC unroll 64
         for (std::size_t r = 0; r < footprint_rows; ++r) {
             if constexpr (!Layout::few_registers) // there a branch takes as long as a product
@@ -86,7 +91,7 @@ add_integer_products(register_block<int32_vec<Layout::width>, Rows * Columns, Ve
             }
         }
         input += Layout::group;
-        weights += C.window.kernel.rows * Layout::groups_of_row * Vectors * Layout::weights_of_group;
+        weights += of_group;
     }
 }
 

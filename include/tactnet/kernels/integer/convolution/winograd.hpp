@@ -4,6 +4,7 @@
 #include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/integer/convolution/winograd_tiles.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
+#include <tactnet/kernels/simd/prefetch.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/simd/unroll.hpp>
 
@@ -77,6 +78,9 @@ multiply_integer_tiles(const std::int16_t* input, const std::int16_t* weights, s
 #pragma GCC unroll 64
         for (std::size_t v = 0; v < Vectors; ++v)
             w[v] = words::load(weights + (g * Vectors + v) * Tiles::width * Tiles::group);
+        prefetch_weights<Vectors * Tiles::width * Tiles::group * sizeof(*weights),
+                         Tiles::tiling.weight_bytes(), Count>(
+            weights + (Tiles::groups + g) * Vectors * Tiles::width * Tiles::group); // of the next element
 #pragma GCC unroll 64
         for (std::size_t t = 0; t < Count; ++t) {
             const auto x = words::broadcast(input + t * Tiles::channels + g * Tiles::group);
