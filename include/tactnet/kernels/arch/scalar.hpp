@@ -45,8 +45,8 @@ struct plain_products {
     static constexpr int offset = 0;
 
     [[gnu::always_inline]] static weights load(const std::int8_t* from) {
-        weights w{};
-        for (std::size_t lane = 0; lane < Lanes; ++lane)
+        weights w = weights{} + from[0]; // GCC 12 takes a vector written lane by lane for uninitialised
+        for (std::size_t lane = 1; lane < Lanes; ++lane)
             w[lane] = from[lane];
         return w;
     }

@@ -66,7 +66,7 @@ public:
     image_pixels(const Range&&) = delete; // inherited, it would be two errors
     template <class Range>
         requires borrowed_range<Range> && std::is_convertible_v<Range, std::span<const float>>
-    constexpr image_pixels(Range&&) {
+    constexpr image_pixels(Range&&, int = 0) { // with the same parameters, Clang 14 would inherit no other
         static_assert(sizeof(Range) == 0,
                       "labelled_images: images are 8-bit counts (std::uint8_t); for floats, such "
                       "as features or filtered values, use labelled_features");
