@@ -390,7 +390,7 @@ TEST_CASE(
         stream += packet;
     std::string moved = packet;
     moved.replace(100, 2, "\3\3");
-    for (const std::size_t join : {0, 1, 50, 99, 101, 200}) {
+    for (const std::size_t join : {0U, 1U, 50U, 99U, 101U, 200U}) {
         const auto still = sensors_test::decode(matrix_stream(array), bytes_of(stream.substr(join)));
         CHECK(still.certain_frames == 0);
         // Once the scene moves, one place is left.
