@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <fcntl.h>
 #include <interrupt.hpp>
+#include <functional>
 #include <thread>
 #include <unistd.h>
 

@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <exception>
 #include <fcntl.h>
+#include <functional>
 #include <stdexcept>
 #include <sys/file.h>
 #include <sys/stat.h>

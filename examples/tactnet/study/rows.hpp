@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <functional>
+
 struct study_row {
     /// What programs get: a line of JSON or of a CSV file, the same members in each row, null for what is not
     /// known. Tables and pictures show the same.

@@ -7,6 +7,7 @@
 
 #include <console.hpp>
 #include <cstdlib>
+#include <functional>
 #include <interrupt.hpp>
 #include <number_options.hpp>
 #include <stopwatch.hpp>

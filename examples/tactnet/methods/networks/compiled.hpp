@@ -11,6 +11,7 @@
 #include <tactnet/training/loop/trainable.hpp>
 
 #include <algorithm>
+#include <functional>
 
 /// A network of any type, with everything it takes to recognise.
 struct any_model {

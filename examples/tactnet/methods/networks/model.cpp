@@ -5,6 +5,7 @@
 #include <tactnet/training/initialise.hpp>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 

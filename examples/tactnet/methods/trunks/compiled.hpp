@@ -8,6 +8,8 @@
 
 #include <tactnet/io/stored_arrays.hpp>
 
+#include <functional>
+
 /// How the names of a trunk's arrays begin in the file of a method that is trained on its features.
 inline constexpr std::string_view trunk_prefix = "trunk.";
 

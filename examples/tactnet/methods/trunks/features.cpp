@@ -13,6 +13,8 @@
 
 #include <interrupt.hpp>
 
+#include <functional>
+
 namespace {
 
 /// An image as it is, and mirrored at its rows (bit 0 of `view`) and at its columns (bit 1).

@@ -8,6 +8,7 @@
 
 #include <tactnet/transfer/photograph.hpp>
 
+#include <functional>
 #include <mutex>
 
 /// From images of one size to features, without weights.
