@@ -4,19 +4,12 @@
 
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/simulation/contact/winkler.hpp>
-#include <tactnet/simulation/effects/circuit/crosstalk.hpp>
-#include <tactnet/simulation/effects/circuit/dead_tactels.hpp>
+#include <tactnet/simulation/effects/circuit/conversion.hpp>
 #include <tactnet/simulation/effects/circuit/noise.hpp>
-#include <tactnet/simulation/effects/circuit/quantisation.hpp>
 #include <tactnet/simulation/effects/circuit/resistive_network.hpp>
-#include <tactnet/simulation/effects/circuit/saturation.hpp>
-#include <tactnet/simulation/effects/circuit/threshold.hpp>
-#include <tactnet/simulation/effects/film/creep.hpp>
-#include <tactnet/simulation/effects/film/drift.hpp>
-#include <tactnet/simulation/effects/film/gain_map.hpp>
-#include <tactnet/simulation/effects/film/hysteresis.hpp>
-#include <tactnet/simulation/effects/film/linearity.hpp>
-#include <tactnet/simulation/effects/film/temperature.hpp>
+#include <tactnet/simulation/effects/circuit/wiring.hpp>
+#include <tactnet/simulation/effects/film/response.hpp>
+#include <tactnet/simulation/effects/film/time.hpp>
 #include <tactnet/simulation/effects/storage/jpeg.hpp>
 #include <tactnet/simulation/effects/storage/resolution.hpp>
 #include <tactnet/simulation/scene.hpp>

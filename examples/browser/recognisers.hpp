@@ -3,7 +3,7 @@
 #include "networks.hpp"
 #include "weights.hpp"
 
-#include <tactnet/decision/temperature_scaling.hpp>
+#include <tactnet/decision/probabilities.hpp>
 #include <tactnet/image/resize.hpp>
 
 #include <array>

@@ -6,7 +6,7 @@
 //     tactnet_compliance [IMAGES_PER_CLASS] > compliance.csv
 
 #include <tactnet/sensors/tekscan_6077.hpp>
-#include <tactnet/simulation/contact/bonded_layer.hpp>
+#include <tactnet/simulation/contact/elastic.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
 

@@ -3,6 +3,5 @@
 #include <tactnet/transfer/as_photograph.hpp>
 #include <tactnet/transfer/feature_extractor.hpp>
 #include <tactnet/transfer/networks.hpp>
-#include <tactnet/transfer/photograph.hpp>
 
 // Transfer learning: pressure images with networks that were trained on photographs.

@@ -1,6 +1,6 @@
 #include <tactnet/decision/discriminant.hpp>
-#include <tactnet/decision/exponentials.hpp>
 #include <tactnet/decision/gain_monitor.hpp>
+#include <tactnet/decision/probabilities.hpp>
 #include <tactnet/decision/touch_evidence.hpp>
 
 #include <doctest/doctest.h>

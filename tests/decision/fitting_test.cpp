@@ -1,7 +1,6 @@
 #include <tactnet/decision/fitting.hpp>
-#include <tactnet/decision/prediction_set.hpp>
+#include <tactnet/decision/probabilities.hpp>
 #include <tactnet/decision/reliability_diagram.hpp>
-#include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/decision/touch_evidence.hpp>
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-#include <tactnet/decision/temperature_scaling.hpp>
+#include <tactnet/decision/probabilities.hpp>
 #include <tactnet/io/deployed_file.hpp>
 #include <tactnet/io/eight_bit_file.hpp>
 #include <tactnet/io/save_model.hpp>

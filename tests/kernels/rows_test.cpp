@@ -1,7 +1,6 @@
 #include <tactnet/kernels/rows/nearest.hpp>
 #include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/kernels/rows/packed.hpp>
-#include <tactnet/kernels/rows/weighted_rows.hpp>
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/tensor/aligned.hpp>
 

@@ -1,6 +1,6 @@
 #include "pressed.hpp"
 
-#include <tactnet/simulation/contact/elastic_half_space.hpp>
+#include <tactnet/simulation/contact/elastic.hpp>
 #include <tactnet/simulation/contact/winkler.hpp>
 
 #include <doctest/doctest.h>

@@ -1,5 +1,4 @@
 #include <tactnet/simulation/elasticity/layer_compliance.hpp>
-#include <tactnet/simulation/elasticity/radial_kernel.hpp>
 
 #include <doctest/doctest.h>
 

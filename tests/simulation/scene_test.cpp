@@ -1,17 +1,13 @@
 #include "pressed.hpp"
 
-#include <tactnet/simulation/contact/bonded_layer.hpp>
-#include <tactnet/simulation/contact/elastic_half_space.hpp>
+#include <tactnet/simulation/contact/elastic.hpp>
 #include <tactnet/simulation/contact/winkler.hpp>
-#include <tactnet/simulation/effects/circuit/dead_tactels.hpp>
+#include <tactnet/simulation/effects/circuit/conversion.hpp>
 #include <tactnet/simulation/effects/circuit/noise.hpp>
-#include <tactnet/simulation/effects/circuit/quantisation.hpp>
-#include <tactnet/simulation/effects/circuit/saturation.hpp>
-#include <tactnet/simulation/effects/film/gain_map.hpp>
-#include <tactnet/simulation/effects/film/hysteresis.hpp>
-#include <tactnet/simulation/effects/film/texture.hpp>
+#include <tactnet/simulation/effects/circuit/wiring.hpp>
+#include <tactnet/simulation/effects/film/response.hpp>
+#include <tactnet/simulation/effects/film/time.hpp>
 #include <tactnet/simulation/effects/mechanics/pad.hpp>
-#include <tactnet/simulation/effects/mechanics/tactel_average.hpp>
 #include <tactnet/simulation/effects/storage/jpeg.hpp>
 #include <tactnet/simulation/objects/object.hpp>
 #include <tactnet/simulation/scene.hpp>

@@ -8,10 +8,9 @@
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/simulation/contact/contact.hpp>
 #include <tactnet/simulation/contact/winkler.hpp>
+#include <tactnet/simulation/effects/circuit/conversion.hpp>
 #include <tactnet/simulation/effects/circuit/noise.hpp>
-#include <tactnet/simulation/effects/circuit/quantisation.hpp>
-#include <tactnet/simulation/effects/circuit/saturation.hpp>
-#include <tactnet/simulation/effects/film/hysteresis.hpp>
+#include <tactnet/simulation/effects/film/time.hpp>
 #include <tactnet/simulation/objects/drawing.hpp>
 #include <tactnet/simulation/objects/object.hpp>
 #include <tactnet/simulation/scene.hpp>

@@ -1,6 +1,6 @@
 #include "commands/scenes.hpp"
 
-#include <tactnet/simulation/contact/bonded_layer.hpp>
+#include <tactnet/simulation/contact/elastic.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
 #include <tactnet/simulation/paper/scene.hpp>
 

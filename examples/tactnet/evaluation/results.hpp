@@ -7,8 +7,8 @@
 #include "files/line_file.hpp"
 #include "methods/method.hpp"
 
+#include <tactnet/decision/probabilities.hpp>
 #include <tactnet/decision/reliability_diagram.hpp>
-#include <tactnet/decision/temperature_scaling.hpp>
 #include <tactnet/training/metrics.hpp>
 
 #include <limits>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/rows/weighted_rows.hpp>
+#include <tactnet/kernels/rows/packed.hpp>
 #include <tactnet/runtime/saved_state.hpp>
 
 #include <algorithm>

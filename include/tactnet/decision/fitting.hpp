@@ -1,7 +1,6 @@
 #pragma once
 
-#include <tactnet/decision/prediction_set.hpp>
-#include <tactnet/decision/temperature_scaling.hpp>
+#include <tactnet/decision/probabilities.hpp>
 #include <tactnet/networks/model.hpp>
 
 #include <algorithm>

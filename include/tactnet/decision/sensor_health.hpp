@@ -1,8 +1,7 @@
 #pragma once
 
-#include <tactnet/decision/count_scale.hpp>
 #include <tactnet/decision/fault_list.hpp>
-#include <tactnet/decision/padded_frame.hpp>
+#include <tactnet/decision/gain_monitor.hpp>
 #include <tactnet/kernels/frame/tactels.hpp>
 #include <tactnet/runtime/saved_state.hpp>
 #include <tactnet/tensor/shape.hpp>

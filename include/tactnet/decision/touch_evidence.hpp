@@ -1,7 +1,6 @@
 #pragma once
 
-#include <tactnet/decision/exponentials.hpp>
-#include <tactnet/decision/temperature_scaling.hpp>
+#include <tactnet/decision/probabilities.hpp>
 #include <tactnet/networks/recognition.hpp>
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 #include <tactnet/io/model_description.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
-#include <tactnet/svm/kernel/functions.hpp>
+#include <tactnet/svm/kernel/space.hpp>
 #include <tactnet/svm/kernel_machine.hpp>
 #include <tactnet/svm/linear_machine.hpp>
 #include <tactnet/text/quoting.hpp>

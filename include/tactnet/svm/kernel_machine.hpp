@@ -4,7 +4,6 @@
 #include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/svm/kernel/functions.hpp>
 #include <tactnet/svm/kernel/space.hpp>
 #include <tactnet/svm/multiclass.hpp>
 #include <tactnet/svm/probability.hpp>

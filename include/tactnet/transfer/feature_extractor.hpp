@@ -7,7 +7,7 @@
 #include <tactnet/tensor/tensor.hpp>
 #include <tactnet/tensor/tensor_view.hpp>
 #include <tactnet/text/message.hpp>
-#include <tactnet/transfer/photograph.hpp>
+#include <tactnet/transfer/as_photograph.hpp>
 
 #include <algorithm>
 #include <cstddef>

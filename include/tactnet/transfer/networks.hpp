@@ -7,7 +7,6 @@
 #include <tactnet/networks/published.hpp>
 #include <tactnet/operators.hpp>
 #include <tactnet/transfer/as_photograph.hpp>
-#include <tactnet/transfer/photograph.hpp>
 
 #include <array>
 #include <cstddef>

@@ -6,7 +6,7 @@
 #include <tactnet/decision/contact_detector.hpp>
 #include <tactnet/decision/discriminant.hpp>
 #include <tactnet/decision/gain_monitor.hpp>
-#include <tactnet/decision/prediction_set.hpp>
+#include <tactnet/decision/probabilities.hpp>
 #include <tactnet/decision/sensor_health.hpp>
 #include <tactnet/decision/touch_evidence.hpp>
 

@@ -4,8 +4,7 @@
 #include "../hold.hpp"
 #include "dense_contact.hpp"
 
-#include <tactnet/simulation/contact/bonded_layer.hpp>
-#include <tactnet/simulation/contact/elastic_half_space.hpp>
+#include <tactnet/simulation/contact/elastic.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,9 +1,6 @@
-#include <tactnet/simulation/effects/circuit/crosstalk.hpp>
-#include <tactnet/simulation/effects/circuit/dead_tactels.hpp>
+#include <tactnet/simulation/effects/circuit/conversion.hpp>
 #include <tactnet/simulation/effects/circuit/noise.hpp>
-#include <tactnet/simulation/effects/circuit/quantisation.hpp>
-#include <tactnet/simulation/effects/circuit/saturation.hpp>
-#include <tactnet/simulation/effects/circuit/threshold.hpp>
+#include <tactnet/simulation/effects/circuit/wiring.hpp>
 
 #include <doctest/doctest.h>
 

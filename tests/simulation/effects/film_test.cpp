@@ -1,10 +1,5 @@
-#include <tactnet/simulation/effects/film/creep.hpp>
-#include <tactnet/simulation/effects/film/drift.hpp>
-#include <tactnet/simulation/effects/film/gain_map.hpp>
-#include <tactnet/simulation/effects/film/hysteresis.hpp>
-#include <tactnet/simulation/effects/film/linearity.hpp>
-#include <tactnet/simulation/effects/film/temperature.hpp>
-#include <tactnet/simulation/effects/film/texture.hpp>
+#include <tactnet/simulation/effects/film/response.hpp>
+#include <tactnet/simulation/effects/film/time.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,4 @@
 #include <tactnet/simulation/effects/mechanics/pad.hpp>
-#include <tactnet/simulation/effects/mechanics/tactel_average.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
 #include <doctest/doctest.h>

@@ -1,8 +1,7 @@
 #include "pressed.hpp"
 
 #include <tactnet/runtime/random.hpp>
-#include <tactnet/simulation/contact/bonded_layer.hpp>
-#include <tactnet/simulation/contact/elastic_half_space.hpp>
+#include <tactnet/simulation/contact/elastic.hpp>
 #include <tactnet/simulation/objects/object.hpp>
 
 #include <doctest/doctest.h>

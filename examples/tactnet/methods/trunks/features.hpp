@@ -6,7 +6,7 @@
 #include "methods/support_vector_machines/features.hpp"
 #include "methods/trunks/compiled.hpp"
 
-#include <tactnet/transfer/photograph.hpp>
+#include <tactnet/transfer/as_photograph.hpp>
 
 #include <functional>
 #include <mutex>

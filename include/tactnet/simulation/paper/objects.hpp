@@ -3,7 +3,6 @@
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/simulation/objects/drawing.hpp>
 #include <tactnet/simulation/paper/bars.hpp>
-#include <tactnet/simulation/paper/bodies.hpp>
 #include <tactnet/simulation/paper/solids.hpp>
 #include <tactnet/simulation/paper/tools.hpp>
 

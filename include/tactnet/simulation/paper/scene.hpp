@@ -1,11 +1,10 @@
 #pragma once
 
 #include <tactnet/sensors/tekscan_6077.hpp>
-#include <tactnet/simulation/contact/bonded_layer.hpp>
+#include <tactnet/simulation/contact/elastic.hpp>
 #include <tactnet/simulation/contact/winkler.hpp>
-#include <tactnet/simulation/effects/circuit/quantisation.hpp>
-#include <tactnet/simulation/effects/circuit/saturation.hpp>
-#include <tactnet/simulation/effects/film/texture.hpp>
+#include <tactnet/simulation/effects/circuit/conversion.hpp>
+#include <tactnet/simulation/effects/film/response.hpp>
 #include <tactnet/simulation/effects/mechanics/pad.hpp>
 #include <tactnet/simulation/effects/storage/jpeg.hpp>
 #include <tactnet/simulation/scene.hpp>

@@ -4,7 +4,6 @@
 #include <tactnet/kernels/rows/packed.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
-#include <tactnet/svm/kernel/functions.hpp>
 #include <tactnet/svm/kernel/space.hpp>
 #include <tactnet/tensor/aligned.hpp>
 

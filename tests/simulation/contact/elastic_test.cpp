@@ -1,6 +1,6 @@
 #include "pressed.hpp"
 
-#include <tactnet/simulation/contact/bonded_layer.hpp>
+#include <tactnet/simulation/contact/elastic.hpp>
 #include <tactnet/simulation/contact/winkler.hpp>
 
 #include <doctest/doctest.h>

@@ -1,6 +1,6 @@
 #include "pair.hpp"
 
-#include <tactnet/quantisation/calibrated_network.hpp>
+#include <tactnet/quantisation/calibration.hpp>
 
 #include <doctest/doctest.h>
 

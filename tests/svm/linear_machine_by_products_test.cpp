@@ -1,7 +1,7 @@
 #include "samples.hpp"
 
 #include <tactnet/svm/kernel_training.hpp>
-#include <tactnet/svm/linear_by_products.hpp>
+#include <tactnet/svm/linear_machine.hpp>
 
 #include <doctest/doctest.h>
 
