@@ -3,9 +3,9 @@
 // All in turns, the fastest and the median of many rounds. Run it pinned to an idle core.
 
 #include <tactnet/kernels/map/symmetric_convolution.hpp>
+#include <tactnet/simulation/contact/contact.hpp>
 #include <tactnet/simulation/contact/elastic.hpp>
-#include <tactnet/simulation/contact/winkler.hpp>
-#include <tactnet/simulation/effects/mechanics/pad.hpp>
+#include <tactnet/simulation/effects/mechanics.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
 #include <algorithm>

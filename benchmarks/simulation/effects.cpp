@@ -3,15 +3,13 @@
 // Run it pinned to an idle core.
 
 #include <tactnet/runtime/random.hpp>
-#include <tactnet/simulation/contact/winkler.hpp>
+#include <tactnet/simulation/contact/contact.hpp>
 #include <tactnet/simulation/effects/circuit/conversion.hpp>
-#include <tactnet/simulation/effects/circuit/noise.hpp>
 #include <tactnet/simulation/effects/circuit/resistive_network.hpp>
 #include <tactnet/simulation/effects/circuit/wiring.hpp>
 #include <tactnet/simulation/effects/film/response.hpp>
 #include <tactnet/simulation/effects/film/time.hpp>
-#include <tactnet/simulation/effects/storage/jpeg.hpp>
-#include <tactnet/simulation/effects/storage/resolution.hpp>
+#include <tactnet/simulation/effects/storage.hpp>
 #include <tactnet/simulation/scene.hpp>
 
 #include <algorithm>

@@ -2,9 +2,8 @@
 // the paper's 22 classes. All in turns, the fastest and the median of many rounds. Run it pinned to an idle
 // core.
 
-#include <tactnet/simulation/effects/circuit/noise.hpp>
+#include <tactnet/simulation/effects/circuit/conversion.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
-#include <tactnet/simulation/paper/scene.hpp>
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/simd/unroll.hpp>
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
 #include <array>

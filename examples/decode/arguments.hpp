@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/sensors/text/measures.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <cstddef>
 #include <cstdint>

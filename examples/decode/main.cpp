@@ -15,7 +15,7 @@
 #include <tactnet/sensors/recording.hpp>
 #include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/sensors/warning.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 // An object of your own: a table fork, its tines down. Copy it, and change the parts. Lengths are metres
 // (here millimetres times `mm`), x runs along the columns of the array, y along its rows.
 
-#include <tactnet/simulation/objects/drawing.hpp>
+#include <tactnet/simulation/objects/object.hpp>
 
 /// Another fork, in another pose, pressed with another force, for each state of `random`.
 inline tactnet::simulation::touch fork(tactnet::simulation::drawing& random) {

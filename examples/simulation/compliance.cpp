@@ -8,7 +8,6 @@
 #include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/simulation/contact/elastic.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
-#include <tactnet/simulation/paper/scene.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -5,7 +5,6 @@
 #include <tactnet/io/images/folder.hpp>
 #include <tactnet/io/images/set.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
-#include <tactnet/simulation/paper/scene.hpp>
 
 #include <algorithm>
 #include <cstddef>

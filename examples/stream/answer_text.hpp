@@ -4,8 +4,8 @@
 
 #include "answer.hpp"
 
+#include <tactnet/text/message.hpp>
 #include <tactnet/text/numbers.hpp>
-#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <array>

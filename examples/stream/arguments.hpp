@@ -3,8 +3,8 @@
 #include "input.hpp"
 
 #include <tactnet/sensors/text/measures.hpp>
+#include <tactnet/text/message.hpp>
 #include <tactnet/text/numbers.hpp>
-#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/write_file.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #include "standard_output.hpp"
 
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <cerrno>
 #include <csignal>

@@ -1,6 +1,6 @@
 #include "number_options.hpp"
 
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <fmt/format.h>
 

@@ -6,7 +6,6 @@
 #include <tactnet/decision/fitting.hpp>
 #include <tactnet/decision/gain_monitor.hpp>
 #include <tactnet/decision/probabilities.hpp>
-#include <tactnet/decision/reliability_diagram.hpp>
 #include <tactnet/decision/sensor_health.hpp>
 #include <tactnet/decision/touch_evidence.hpp>
 #include <tactnet/runtime/saved_state.hpp>

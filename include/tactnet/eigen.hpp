@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/eigen/elements.hpp>
-#include <tactnet/eigen/features.hpp>
 #include <tactnet/eigen/frames.hpp>
 
 // Eigen matrices without a copy: `view_…` views a matrix as a type of this library, `map_…` maps data of this

@@ -8,7 +8,6 @@
 #include <tactnet/io/images/set.hpp>
 #include <tactnet/io/model_description.hpp>
 #include <tactnet/io/model_file.hpp>
-#include <tactnet/io/parameters.hpp>
 #include <tactnet/io/pretrained.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors.hpp>

@@ -104,7 +104,7 @@ void run() {
 
 #ifdef CASE_try_view_of_temporary
 // expect: borrowed_range
-#include <tactnet/tensor.hpp>
+#include <tactnet/tensor/batch.hpp>
 
 #include <vector>
 
@@ -115,7 +115,7 @@ void run() {
 
 #ifdef CASE_view_of_temporary
 // expect: would dangle
-#include <tactnet/tensor.hpp>
+#include <tactnet/tensor/batch.hpp>
 
 using map = tactnet::tensor<float, tactnet::shape{2, 3}>;
 

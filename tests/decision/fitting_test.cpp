@@ -1,6 +1,5 @@
 #include <tactnet/decision/fitting.hpp>
 #include <tactnet/decision/probabilities.hpp>
-#include <tactnet/decision/reliability_diagram.hpp>
 #include <tactnet/decision/touch_evidence.hpp>
 
 #include <doctest/doctest.h>

@@ -1,6 +1,6 @@
 #include "deployed_network.hpp"
 
-#include <tactnet/io/parameters.hpp>
+#include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/model.hpp>

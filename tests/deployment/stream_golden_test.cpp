@@ -3,7 +3,6 @@
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/stream.hpp>
 #include <tactnet/io/model_file.hpp>
-#include <tactnet/io/parameters.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/save_model.hpp>
 #include <tactnet/networks/batch_passes.hpp>

@@ -1,5 +1,5 @@
 #include <tactnet/eigen/elements.hpp>
-#include <tactnet/eigen/features.hpp>
+#include <tactnet/eigen/frames.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/operators/dense/layer.hpp>
 

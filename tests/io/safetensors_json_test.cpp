@@ -1,4 +1,4 @@
-#include <tactnet/io/safetensors/checksum.hpp>
+#include <tactnet/io/safetensors/format.hpp>
 #include <tactnet/io/safetensors/json_checksum.hpp>
 #include <tactnet/io/safetensors/json_scanner.hpp>
 

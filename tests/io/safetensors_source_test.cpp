@@ -1,7 +1,7 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors.hpp>
-#include <tactnet/io/safetensors/element_type.hpp>
+#include <tactnet/io/safetensors/format.hpp>
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/write_file.hpp>

@@ -1,4 +1,3 @@
-#include <tactnet/io/partial_file.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/write_file.hpp>
 

@@ -1,4 +1,3 @@
-#include <tactnet/kernels/rows/nearest.hpp>
 #include <tactnet/kernels/rows/operations.hpp>
 #include <tactnet/kernels/rows/packed.hpp>
 #include <tactnet/runtime/random.hpp>

@@ -28,7 +28,7 @@ ROOMS = {
     "transfer": "io text deployment image networks operators lowering kernels runtime tensor",
     "svm": "text kernels runtime tensor",
     "features": "text kernels runtime tensor",
-    "io": "text kernels runtime tensor",  # io/parameters.hpp and others take a network as a template argument and include none
+    "io": "text kernels runtime tensor",  # io/model_file.hpp and others take a network as a template argument and include none
     "sensors": "io text tensor",
     "eigen": "text tensor sensors svm",
     "simulation": "sensors text image kernels runtime tensor",

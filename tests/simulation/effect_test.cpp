@@ -1,12 +1,10 @@
 #include <tactnet/simulation/effect.hpp>
 #include <tactnet/simulation/effects/circuit/conversion.hpp>
-#include <tactnet/simulation/effects/circuit/noise.hpp>
 #include <tactnet/simulation/effects/circuit/resistive_network.hpp>
 #include <tactnet/simulation/effects/circuit/wiring.hpp>
 #include <tactnet/simulation/effects/film/response.hpp>
 #include <tactnet/simulation/effects/film/time.hpp>
-#include <tactnet/simulation/effects/storage/jpeg.hpp>
-#include <tactnet/simulation/effects/storage/resolution.hpp>
+#include <tactnet/simulation/effects/storage.hpp>
 #include <tactnet/simulation/objects/object.hpp>
 
 #include <doctest/doctest.h>

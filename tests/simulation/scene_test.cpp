@@ -1,14 +1,13 @@
 #include "pressed.hpp"
 
+#include <tactnet/simulation/contact/contact.hpp>
 #include <tactnet/simulation/contact/elastic.hpp>
-#include <tactnet/simulation/contact/winkler.hpp>
 #include <tactnet/simulation/effects/circuit/conversion.hpp>
-#include <tactnet/simulation/effects/circuit/noise.hpp>
 #include <tactnet/simulation/effects/circuit/wiring.hpp>
 #include <tactnet/simulation/effects/film/response.hpp>
 #include <tactnet/simulation/effects/film/time.hpp>
-#include <tactnet/simulation/effects/mechanics/pad.hpp>
-#include <tactnet/simulation/effects/storage/jpeg.hpp>
+#include <tactnet/simulation/effects/mechanics.hpp>
+#include <tactnet/simulation/effects/storage.hpp>
 #include <tactnet/simulation/objects/object.hpp>
 #include <tactnet/simulation/scene.hpp>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/simulation/contact/winkler.hpp>
+#include <tactnet/simulation/contact/contact.hpp>
 #include <tactnet/simulation/scene.hpp>
 
 #include <cstddef>

@@ -4,7 +4,6 @@
 #include <tactnet/networks/network.hpp>
 #include <tactnet/operators.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
-#include <tactnet/simulation/paper/scene.hpp>
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/trainer.hpp>
 

@@ -7,11 +7,8 @@
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/simulation/contact/contact.hpp>
-#include <tactnet/simulation/contact/winkler.hpp>
 #include <tactnet/simulation/effects/circuit/conversion.hpp>
-#include <tactnet/simulation/effects/circuit/noise.hpp>
 #include <tactnet/simulation/effects/film/time.hpp>
-#include <tactnet/simulation/objects/drawing.hpp>
 #include <tactnet/simulation/objects/object.hpp>
 #include <tactnet/simulation/scene.hpp>
 #include <tactnet/training.hpp>

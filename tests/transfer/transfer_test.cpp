@@ -1,7 +1,7 @@
 #include <tactnet/networks/network.hpp>
 #include <tactnet/operators.hpp>
 #include <tactnet/transfer/as_photograph.hpp>
-#include <tactnet/transfer/feature_extractor.hpp>
+#include <tactnet/transfer/networks.hpp>
 
 #include <doctest/doctest.h>
 

@@ -8,7 +8,7 @@
 #include "reports/report.hpp"
 
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>

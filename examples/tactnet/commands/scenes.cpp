@@ -2,7 +2,6 @@
 
 #include <tactnet/simulation/contact/elastic.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
-#include <tactnet/simulation/paper/scene.hpp>
 
 #include <array>
 #include <memory>

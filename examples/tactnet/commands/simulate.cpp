@@ -5,7 +5,6 @@
 #include "data/input_file.hpp"
 #include "files/output_files.hpp"
 
-#include <tactnet/io/partial_file.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/runtime/thread_pool.hpp>

@@ -4,8 +4,9 @@
 #include "data/input_file.hpp"
 
 #include <tactnet/image/resize.hpp>
+#include <tactnet/io/model_description.hpp>
 #include <tactnet/io/read_file.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <decode_image.hpp>
 #include <sstream>

@@ -8,7 +8,6 @@
 #include "methods/method.hpp"
 
 #include <tactnet/decision/probabilities.hpp>
-#include <tactnet/decision/reliability_diagram.hpp>
 #include <tactnet/training/metrics.hpp>
 
 #include <limits>

@@ -1,6 +1,6 @@
 #include "files/claims.hpp"
 
-#include <tactnet/io/safetensors/checksum.hpp>
+#include <tactnet/io/safetensors/format.hpp>
 
 #include <fmt/format.h>
 

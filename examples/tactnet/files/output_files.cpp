@@ -3,8 +3,8 @@
 #include "console.hpp"
 #include "files/claims.hpp"
 
-#include <tactnet/io/partial_file.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/io/write_file.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <cerrno>
 #include <iterator>

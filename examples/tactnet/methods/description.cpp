@@ -3,7 +3,7 @@
 #include "data/input_file.hpp"
 
 #include <tactnet/detail/instruction_set.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 #include <tactnet/version.hpp>
 
 #include <fmt/format.h>

@@ -9,7 +9,7 @@
 #include "number_options.hpp"
 
 #include <tactnet/io/safetensors/writer.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <system_error>
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/deployment/frame_ref.hpp>
-#include <tactnet/deployment/packed_steps.hpp>
 #include <tactnet/deployment/refused_call.hpp>
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame/elementwise.hpp>

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/deployment/frame_ref.hpp>
-#include <tactnet/deployment/packed_steps.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/lowering/step.hpp>
 #include <tactnet/networks/recognition.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/rows/nearest.hpp>
+#include <tactnet/kernels/rows/packed.hpp>
 #include <tactnet/text/message.hpp>
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 
 #include <tactnet/kernels/simd/normal_numbers.hpp>
 #include <tactnet/runtime/random.hpp>
-#include <tactnet/tensor/tensor_view.hpp>
+#include <tactnet/tensor/tensor.hpp>
 
 #include <cmath>
 #include <cstddef>

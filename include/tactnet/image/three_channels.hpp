@@ -1,10 +1,10 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/batch.hpp>
-#include <tactnet/tensor/tensor_view.hpp>
+#include <tactnet/tensor/tensor.hpp>
 
 #include <array>
 #include <cstddef>

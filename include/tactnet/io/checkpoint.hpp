@@ -2,14 +2,14 @@
 
 #include <tactnet/detail/function_ref.hpp>
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/safetensors/checksum.hpp>
+#include <tactnet/io/safetensors.hpp>
+#include <tactnet/io/safetensors/format.hpp>
 #include <tactnet/io/safetensors/header.hpp>
-#include <tactnet/io/safetensors/index.hpp>
 #include <tactnet/io/safetensors/source.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/stored_arrays.hpp>
+#include <tactnet/text/message.hpp>
 #include <tactnet/text/numbers.hpp>
-#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <cstddef>

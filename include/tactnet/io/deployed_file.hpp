@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/deployment.hpp>
-#include <tactnet/io/file_name.hpp>
 #include <tactnet/io/model_file.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 
 #include <algorithm>

@@ -5,9 +5,9 @@
 #include <tactnet/detail/function_ref.hpp>
 #include <tactnet/io/deployed_file.hpp>
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/file_name.hpp>
 #include <tactnet/io/model_description.hpp>
 #include <tactnet/io/model_file.hpp>
+#include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/save_model.hpp>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <memory>
 #include <stdexcept>

@@ -1,16 +1,18 @@
 #pragma once
 
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/safetensors/index.hpp>
+#include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/json_scanner.hpp>
 #include <tactnet/networks/recognition.hpp>
+#include <tactnet/text/message.hpp>
 #include <tactnet/text/numbers.hpp>
-#include <tactnet/text/quoting.hpp>
 
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -25,6 +27,23 @@ namespace detail {
 
 inline constexpr std::size_t longest_name = 200; ///< of a network, for it is shown in messages
 inline constexpr const char* short_name = "a name of at most 200 bytes";
+
+/// Why these cannot be the names of classes, with the name; empty if they can. Each must be there once, be
+/// UTF-8 and have no control characters.
+[[nodiscard]] [[gnu::cold, gnu::noinline]] inline std::string
+problem_of_names(std::span<const std::string> names) {
+    std::map<std::string, std::string, std::less<>> seen; // a type that headers of files have compiled
+    for (const std::string& name : names) {
+        if (name.empty())
+            return "an empty name";
+        if (!is_printable(name))
+            return joined({quoted{name}});
+        if (!seen.insert({name, std::string()}).second)
+            return joined({quoted{name}, " twice"});
+    }
+    return {};
+}
+inline constexpr const char* expected_names = "names without control characters, each once";
 
 } // namespace detail
 

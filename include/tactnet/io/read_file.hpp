@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/file_name.hpp>
 
 #include <algorithm>
 #include <cerrno>
@@ -12,10 +11,60 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
+#if defined(__unix__) || defined(__APPLE__)
+#define TACTNET_POSIX_FILES
+#include <sys/stat.h>
+#else
+#include <filesystem>
+#endif
 
 namespace tactnet { inline namespace TACTNET_ARCH {
+
+#if defined(TACTNET_POSIX_FILES)
+
+/// The name of a file to read, from text or from a std::filesystem::path. A type of its own, since
+/// <filesystem> would be a tenth of what a program that loads a network compiles.
+class file_name {
+public:
+    file_name(const char* name) : name_(name) {}
+    file_name(std::string_view name) : name_(name) {}
+    file_name(std::string name) : name_(std::move(name)) {}
+    template <class Path>
+        requires requires(const Path& path) {
+            path.native();
+            path.lexically_normal();
+        }
+    file_name(const Path& path) : name_(path.native()) {}
+
+    [[nodiscard]] const std::string& string() const noexcept { return name_; }
+    [[nodiscard]] const char* c_str() const noexcept { return name_.c_str(); }
+
+private:
+    std::string name_;
+};
+
+#else
+
+/// The name of a file to read, from UTF-8 text or from a path. Windows has names of wide characters, and its
+/// libraries differ in what they make of others.
+class file_name : public std::filesystem::path {
+public:
+    file_name(const char* name) : file_name(std::string_view(name)) {}
+    file_name(std::string_view name) : path(std::u8string(name.begin(), name.end())) {}
+    file_name(const std::string& name) : file_name(std::string_view(name)) {}
+    file_name(const std::filesystem::path& name) : path(name) {}
+
+    [[nodiscard]] std::string string() const {
+        const std::u8string name = u8string();
+        return {name.begin(), name.end()};
+    }
+};
+
+#endif
 
 /// The most bytes that `read_file` reads by default: 2 GiB less one.
 inline constexpr std::size_t default_file_limit = 0x7fff'ffff;

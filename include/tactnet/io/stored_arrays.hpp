@@ -2,10 +2,10 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/header.hpp>
-#include <tactnet/io/safetensors/index.hpp>
 #include <tactnet/tensor/named_array.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <cmath>
 #include <cstddef>

@@ -7,7 +7,7 @@
 #include <tactnet/svm/kernel/space.hpp>
 #include <tactnet/svm/kernel_machine.hpp>
 #include <tactnet/svm/linear_machine.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <cmath>
 #include <concepts>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
-#include <tactnet/kernels/tile_shape.hpp>
+#include <tactnet/kernels/caches.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <algorithm>

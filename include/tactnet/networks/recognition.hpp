@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/tensor/tensor_view.hpp>
+#include <tactnet/tensor/tensor.hpp>
 
 #include <array>
 #include <cmath>

@@ -2,7 +2,6 @@
 
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/tensor/tensor.hpp>
-#include <tactnet/tensor/tensor_view.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <tactnet/runtime/random.hpp>
 #include <tactnet/sensors/tekscan_6077.hpp>
-#include <tactnet/tensor/tensor_view.hpp>
+#include <tactnet/tensor/tensor.hpp>
 
 #include <algorithm>
 #include <concepts>

@@ -2,7 +2,7 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/tensor/aligned.hpp>
-#include <tactnet/tensor/tensor_view.hpp>
+#include <tactnet/tensor/tensor.hpp>
 
 #include <algorithm>
 #include <cstddef>

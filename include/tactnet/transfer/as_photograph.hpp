@@ -7,7 +7,7 @@
 #include <tactnet/lowering/lowering.hpp>
 #include <tactnet/operators/trained_layer.hpp>
 #include <tactnet/tensor/shape.hpp>
-#include <tactnet/tensor/tensor_view.hpp>
+#include <tactnet/tensor/tensor.hpp>
 #include <tactnet/text/message.hpp>
 #include <tactnet/transfer/as_photograph_step.hpp>
 

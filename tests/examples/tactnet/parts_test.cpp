@@ -3,7 +3,7 @@
 
 #include "workshop.hpp"
 
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <console.hpp>
 #include <cstdlib>

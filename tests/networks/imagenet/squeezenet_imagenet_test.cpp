@@ -1,4 +1,4 @@
-#include <tactnet/io/parameters.hpp>
+#include <tactnet/io/model_file.hpp>
 #include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/networks/imagenet.hpp>
 

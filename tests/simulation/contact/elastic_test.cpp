@@ -1,7 +1,7 @@
 #include "pressed.hpp"
 
+#include <tactnet/simulation/contact/contact.hpp>
 #include <tactnet/simulation/contact/elastic.hpp>
-#include <tactnet/simulation/contact/winkler.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,4 @@
 #include <tactnet/simulation/effects/circuit/conversion.hpp>
-#include <tactnet/simulation/effects/circuit/noise.hpp>
 #include <tactnet/simulation/effects/circuit/wiring.hpp>
 
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-#include <tactnet/simulation/effects/mechanics/pad.hpp>
+#include <tactnet/simulation/effects/mechanics.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
 #include <doctest/doctest.h>

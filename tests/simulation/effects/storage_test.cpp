@@ -1,6 +1,5 @@
 #include <tactnet/image/resize.hpp>
-#include <tactnet/simulation/effects/storage/jpeg.hpp>
-#include <tactnet/simulation/effects/storage/resolution.hpp>
+#include <tactnet/simulation/effects/storage.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 // A scene, compiled three times: without an effect, with the effect's header only, and with the effect in its
 // list.
-#include <tactnet/simulation/contact/winkler.hpp>
+#include <tactnet/simulation/contact/contact.hpp>
 #include <tactnet/simulation/effects/circuit/conversion.hpp>
 #include <tactnet/simulation/scene.hpp>
 #ifdef TACTNET_TEST_HEADER

@@ -2,7 +2,6 @@
 
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
-#include <tactnet/simulation/paper/scene.hpp>
 
 #include <doctest/doctest.h>
 

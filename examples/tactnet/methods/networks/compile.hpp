@@ -7,7 +7,7 @@
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/deployment/export/onnx_model.hpp>
-#include <tactnet/io/parameters.hpp>
+#include <tactnet/io/model_file.hpp>
 #include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
 

@@ -8,12 +8,10 @@
 
 #include <tactnet/io/pretrained.hpp>
 #include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/transfer/feature_extractor.hpp>
 #include <tactnet/transfer/networks.hpp>
 
-#include <interrupt.hpp>
-
 #include <functional>
+#include <interrupt.hpp>
 
 namespace {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <array>

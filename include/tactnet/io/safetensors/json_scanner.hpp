@@ -2,8 +2,8 @@
 
 #include <tactnet/detail/function_ref.hpp>
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/text/message.hpp>
 #include <tactnet/text/numbers.hpp>
-#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -3,11 +3,9 @@
 #include <tactnet/detail/function_ref.hpp>
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/read_file.hpp>
-#include <tactnet/io/safetensors/checksum.hpp>
-#include <tactnet/io/safetensors/element_type.hpp>
-#include <tactnet/io/safetensors/elements.hpp>
+#include <tactnet/io/safetensors.hpp>
+#include <tactnet/io/safetensors/format.hpp>
 #include <tactnet/io/safetensors/header.hpp>
-#include <tactnet/io/safetensors/index.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -1,10 +1,9 @@
 #pragma once
 
-#include <tactnet/io/safetensors/checksum.hpp>
-#include <tactnet/io/safetensors/element_type.hpp>
+#include <tactnet/io/safetensors/format.hpp>
 #include <tactnet/io/safetensors/header.hpp>
 #include <tactnet/io/write_file.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <cstddef>
 #include <cstdint>

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/batch/direct_convolution.hpp>
 #include <tactnet/kernels/batch/direct_gradient.hpp>
 #include <tactnet/kernels/method_list.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
 #include <array>

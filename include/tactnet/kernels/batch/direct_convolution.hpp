@@ -1,8 +1,8 @@
 #pragma once
 
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/batch/batch_convolution.hpp>
 #include <tactnet/kernels/method_list.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
 #include <array>

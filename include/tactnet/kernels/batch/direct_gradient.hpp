@@ -1,9 +1,9 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/batch/channel_gradient.hpp>
 #include <tactnet/kernels/batch/direct_convolution.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/batch/reductions.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/transpose.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>

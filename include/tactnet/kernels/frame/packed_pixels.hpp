@@ -1,10 +1,10 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/method_list.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
 #include <array>

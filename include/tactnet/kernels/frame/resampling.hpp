@@ -1,7 +1,7 @@
 #pragma once
 
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/frame/elementwise.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/kernels/simd/xsimd.hpp>
 
 #include <algorithm>

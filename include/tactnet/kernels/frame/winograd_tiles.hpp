@@ -4,7 +4,6 @@
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
-#include <tactnet/kernels/tile_shape.hpp>
 
 #include <algorithm>
 #include <cstddef>

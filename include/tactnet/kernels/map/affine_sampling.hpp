@@ -1,8 +1,8 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/map/hartley.hpp>
 #include <tactnet/kernels/simd/row_vector.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 #include <tactnet/tensor/aligned.hpp>
 #include <tactnet/tensor/shape.hpp>

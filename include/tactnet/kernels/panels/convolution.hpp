@@ -4,7 +4,6 @@
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/panels/product.hpp>
-#include <tactnet/kernels/panels/staging.hpp>
 
 #include <algorithm>
 #include <cstddef>

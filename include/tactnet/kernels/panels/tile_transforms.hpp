@@ -1,8 +1,8 @@
 #pragma once
 
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/shape.hpp>
 
 #include <array>

@@ -3,7 +3,6 @@
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/panels/product.hpp>
-#include <tactnet/kernels/panels/staging.hpp>
 #include <tactnet/kernels/panels/tile_transforms.hpp>
 
 #include <algorithm>

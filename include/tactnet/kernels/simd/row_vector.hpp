@@ -1,9 +1,9 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/arch/selected.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 
 #include <array>
 #include <cstddef>

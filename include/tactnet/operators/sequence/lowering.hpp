@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/detail/indexed_leaves.hpp>
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/lowering/lowering.hpp>
 #include <tactnet/operators/layer.hpp>
 #include <tactnet/operators/sequence/layer.hpp>

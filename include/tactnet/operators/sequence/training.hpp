@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/kernels/simd/unroll.hpp>
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/operators/sequence/layer.hpp>
 #include <tactnet/operators/trained_layer.hpp>
 

@@ -4,8 +4,8 @@
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/safetensors/json_scanner.hpp>
 #include <tactnet/sensors/described/description.hpp>
+#include <tactnet/text/message.hpp>
 #include <tactnet/text/numbers.hpp>
-#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <array>

@@ -7,7 +7,6 @@
 #include <tactnet/sensors/text/lines.hpp>
 #include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/text/message.hpp>
-#include <tactnet/text/quoting.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/line.hpp>
 #include <tactnet/sensors/text/measures.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -2,7 +2,7 @@
 
 #include <tactnet/sensors/text/lines.hpp>
 #include <tactnet/sensors/text/measures.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <cmath>

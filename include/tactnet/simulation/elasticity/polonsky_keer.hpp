@@ -2,7 +2,6 @@
 
 #include <tactnet/kernels/map/symmetric_convolution.hpp>
 #include <tactnet/simulation/contact/contact.hpp>
-#include <tactnet/simulation/contact/winkler.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>

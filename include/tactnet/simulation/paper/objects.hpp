@@ -1,16 +1,45 @@
 #pragma once
 
 #include <tactnet/runtime/random.hpp>
-#include <tactnet/simulation/objects/drawing.hpp>
+#include <tactnet/sensors/tekscan_6077.hpp>
+#include <tactnet/simulation/contact/contact.hpp>
+#include <tactnet/simulation/contact/elastic.hpp>
+#include <tactnet/simulation/effects/circuit/conversion.hpp>
+#include <tactnet/simulation/effects/film/response.hpp>
+#include <tactnet/simulation/effects/mechanics.hpp>
+#include <tactnet/simulation/effects/storage.hpp>
+#include <tactnet/simulation/objects/object.hpp>
 #include <tactnet/simulation/paper/bars.hpp>
 #include <tactnet/simulation/paper/solids.hpp>
 #include <tactnet/simulation/paper/tools.hpp>
+#include <tactnet/simulation/scene.hpp>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
+
+/// The array of the paper's images.
+using paper_array = array<tekscan_6077::extents.rows, tekscan_6077::extents.columns>;
+
+/// The effects that make simulated images resemble the paper's: on its array, as 8-bit counts from a JPEG
+/// file. Without one of them, simulated images are easy to distinguish.
+using paper_scene = scene<paper_array, contact<winkler>, elastic_pad, film_texture, saturation,
+                          quantisation<8>, jpeg_storage>;
+
+/// The effects of paper_scene with an accurate contact model, in which cells influence each other. Takes
+/// hundreds of times as long.
+using layered_scene = scene<paper_array, contact<bonded_layer>, elastic_pad, film_texture, saturation,
+                            quantisation<8>, jpeg_storage>;
+
+/// A sensor of known compliance: the layer includes all that is soft, from the skin to the backing of the
+/// film. For example compliant_scene({}, {}, contact<bonded_layer>{flexible_sensor}).
+using compliant_scene =
+    scene<paper_array, contact<bonded_layer>, film_texture, saturation, quantisation<8>, jpeg_storage>;
+
+/// An ideal array.
+using ideal_scene = scene<paper_array, contact<winkler>, saturation, quantisation<8>>;
 
 /// The 22 classes of the paper, in the order of their names.
 inline constexpr std::array<object_family, 22> paper_objects{{

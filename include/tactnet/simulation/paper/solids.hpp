@@ -1,6 +1,6 @@
 #pragma once
 
-#include <tactnet/simulation/objects/drawing.hpp>
+#include <tactnet/simulation/objects/object.hpp>
 
 #include <algorithm>
 #include <cstddef>

@@ -5,7 +5,7 @@
 #include <tactnet/image/resize.hpp>
 #include <tactnet/image/transform.hpp>
 #include <tactnet/tensor/shape.hpp>
-#include <tactnet/tensor/tensor_view.hpp>
+#include <tactnet/tensor/tensor.hpp>
 #include <tactnet/text/message.hpp>
 #include <tactnet/training/data/split.hpp>
 

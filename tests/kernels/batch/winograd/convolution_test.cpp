@@ -1,5 +1,5 @@
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/batch/winograd/convolution.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <doctest/doctest.h>

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/batch/winograd/transforms.hpp>
 #include <tactnet/kernels/caches.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/batch/channel_gradient.hpp>
 #include <tactnet/kernels/batch/direct_gradient.hpp>
 #include <tactnet/kernels/batch/winograd/tile_grid.hpp>
@@ -8,7 +9,6 @@
 #include <tactnet/kernels/simd/sized_vector.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
 #include <tactnet/kernels/simd/transpose.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
 #include <array>

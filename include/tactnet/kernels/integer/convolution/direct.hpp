@@ -1,12 +1,12 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/integer/convolution/direct_layout.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
 #include <tactnet/kernels/simd/prefetch.hpp>
 #include <tactnet/kernels/simd/sized_vector.hpp>
-#include <tactnet/kernels/simd/unroll.hpp>
 
 #include <algorithm>
 #include <cstddef>

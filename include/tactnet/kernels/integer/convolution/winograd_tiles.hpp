@@ -5,7 +5,6 @@
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/integer/convolution/tile_lines.hpp>
-#include <tactnet/kernels/tile_shape.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include <tactnet/simulation/objects/drawing.hpp>
+#include <tactnet/simulation/objects/object.hpp>
 
 #include <doctest/doctest.h>
 

@@ -3,7 +3,6 @@
 
 #include <tactnet/io/images/folder.hpp>
 #include <tactnet/simulation/paper/objects.hpp>
-#include <tactnet/simulation/paper/scene.hpp>
 
 #include <doctest/doctest.h>
 

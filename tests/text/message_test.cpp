@@ -1,4 +1,4 @@
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,6 @@
 #include <tactnet/image/augmentation.hpp>
 #include <tactnet/runtime/random.hpp>
-#include <tactnet/simulation/effects/storage/jpeg.hpp>
+#include <tactnet/simulation/effects/storage.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
 #include <doctest/doctest.h>

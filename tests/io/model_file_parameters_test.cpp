@@ -1,5 +1,5 @@
 #include <tactnet/io/file_error.hpp>
-#include <tactnet/io/parameters.hpp>
+#include <tactnet/io/model_file.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/writer.hpp>
 #include <tactnet/io/save_model.hpp>

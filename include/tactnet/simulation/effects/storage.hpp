@@ -1,18 +1,54 @@
 #pragma once
 
+#include <tactnet/image/resize.hpp>
 #include <tactnet/simulation/effect.hpp>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+
+namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
+
+/// Resizes counts as the paper makes its smaller images: bicubic, then rounded. The same size changes
+/// nothing.
+template <std::size_t Rows, std::size_t Columns, class Kernel = keys_cubic<>>
+struct resolution {
+    static_assert(Rows > 0 && Columns > 0, "resolution: there must be at least one row and one column");
+    static constexpr stage place = stage::storage;
+    template <shape In>
+    static constexpr shape output{Rows, Columns, In.channels};
+
+    double last = 255; ///< the largest count
+
+    template <shape Shape>
+    class bound {
+    public:
+        static constexpr shape resized = output<Shape>;
+
+        bound(const resolution& effect, const mounting&)
+            : last_(static_cast<float>(effect.last > 0 ? effect.last : 0)) {}
+        void apply(tensor_view<const float, Shape> from, signal<resized> to, const moment&) const noexcept {
+            resize<Shape, resized, Kernel>(from, to);
+            for (float& count : to.elements()) {
+                const float kept = count > 0 ? (count < last_ ? count : last_) : 0;
+                count = std::floor(kept + 0.5f);
+            }
+        }
+        void apply(signal<Shape>, const moment&) const noexcept
+            requires(Shape == resized)
+        {}
+
+    private:
+        float last_;
+    };
+};
 
 // JPEG compression of 8 × 8 pixels: the cosine transform, quantisation, and their inverses. In the integer
 // arithmetic of Loeffler, Ligtenberg and Moschytz ("Practical fast 1-D DCT algorithms with 11
 // multiplications", 1989) with constants of 13 bits and two more bits between the passes, as libjpeg's
 // default, to which it is bit-identical.
-
-namespace tactnet { inline namespace TACTNET_ARCH { namespace simulation {
 
 /// A block, row by row, or the divisors of its frequencies.
 using jpeg_block = std::array<std::int32_t, 64>;
