@@ -115,7 +115,7 @@ void run() {
 
 #ifdef CASE_view_of_temporary
 // expect: would dangle
-#include <tactnet/tensor/batch.hpp>
+#include <tactnet/tensor/tensor.hpp>
 
 using map = tactnet::tensor<float, tactnet::shape{2, 3}>;
 
