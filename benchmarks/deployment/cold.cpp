@@ -13,7 +13,7 @@
 #include "../support/measure.hpp"
 #include "../support/options.hpp"
 
-#include <tactnet/kernels/simd/unroll.hpp>
+#include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/simd/vector.hpp>
 
 #include <algorithm>
