@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 #include <fcntl.h>
-#include <interrupt.hpp>
 #include <functional>
+#include <interrupt.hpp>
 #include <thread>
 #include <unistd.h>
 
