@@ -2,10 +2,12 @@
 
 #include <tactnet/networks/batch_passes.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
+#include <tactnet/training/data/neighbours.hpp>
 #include <tactnet/training/data/sample_batch.hpp>
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/evaluate.hpp>
 #include <tactnet/training/initialise.hpp>
+#include <tactnet/training/intervals.hpp>
 #include <tactnet/training/loop.hpp>
 #include <tactnet/training/loop/epoch_samples.hpp>
 #include <tactnet/training/loop/progress.hpp>

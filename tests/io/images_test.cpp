@@ -49,9 +49,29 @@ TEST_CASE("image_folder: classes by their bytes, files in natural order, everyth
         names.push_back(path.filename().string());
     }
     CHECK(names == std::vector<std::string>{"q.PnG", "x.png", "b1.jpeg", "b2.JPG", "b10.jpg"});
+    CHECK(listed.left_out == std::vector<std::string>{".hidden"});
 
     constexpr std::array<std::string_view, 1> only_text{".txt"};
     CHECK_THROWS_AS(list_image_folder(folder.path(), only_text), file_error);
+}
+
+TEST_CASE("image_folder: images in a folder for each group of a class") {
+    const support::temporary_folder folder;
+    for (const char* name : {"key/s10/1.png", "key/s2/2.png", "key/s2/10.png", "key/0.png", "pen/s2/1.png"})
+        touch(folder / name);
+    const auto list = [&] {
+        return list_image_folder(folder.path(), tactnet::default_image_extensions,
+                                 tactnet::image_folder_layout::groups_in_classes);
+    };
+    std::vector<std::string> names;
+    for (const auto& [path, label] : list().files)
+        names.push_back(path.lexically_relative(folder.path()).string());
+    CHECK(names ==
+          std::vector<std::string>{"key/s2/2.png", "key/s2/10.png", "key/s10/1.png", "pen/s2/1.png"});
+    touch(folder / "box/1.png");
+    CHECK(support::error_of<file_error>(list) ==
+          (folder / "box").string() +
+              ": expected a folder for each group of images of this class, found none");
 }
 
 TEST_CASE("image_folder: a folder that is no set of images: each error has its message") {

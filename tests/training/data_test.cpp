@@ -9,6 +9,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace {
@@ -216,6 +219,106 @@ TEST_CASE("split_data: outliers are for training alone, and change nothing for o
         with.training.resize(without.training.size());
         CHECK(with == without);
     }
+}
+
+/// People in each class, four images of a person one after the other.
+std::vector<std::size_t> people_of(std::size_t classes, std::size_t people) {
+    std::vector<std::size_t> groups;
+    for (std::size_t i = 0; i < classes * people * 4; ++i)
+        groups.push_back(i / 4 % people);
+    return groups;
+}
+
+TEST_CASE("split_data: a group is in one part alone, by about the shares") {
+    const auto labels = labels_of(3, 52), groups = people_of(3, 13);
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        const data_split split = split_data(labels, 3, groups, split_rule::grouped, seed);
+        check_complete(split, labels.size());
+        CHECK_NOTHROW(check_split(split, labels, groups));
+        CHECK(split.test.size() == 3 * 12); // three people of 13
+        CHECK(split.validation.size() == 2 * 12);
+        CHECK(split == split_data(labels, 3, groups, split_rule::grouped, seed));
+    }
+    CHECK(!(split_data(labels, 3, groups, split_rule::grouped, 0) ==
+            split_data(labels, 3, groups, split_rule::grouped, 1)));
+}
+
+TEST_CASE("split_data: groups that have one class each, and classes of few groups") {
+    // Five objects of class 0, two of class 1, one of class 2.
+    const std::vector<std::size_t> objects{0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 6, 6, 6, 6, 7, 7};
+    const std::vector<std::size_t> labels{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 2, 2};
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        const data_split split = split_data(labels, 3, objects, split_rule::grouped, seed);
+        check_complete(split, labels.size());
+        CHECK_NOTHROW(check_split(split, labels, objects));
+        const auto tested = [&](std::size_t label) {
+            return std::any_of(split.test.begin(), split.test.end(),
+                               [&](std::size_t i) { return labels[i] == label; });
+        };
+        CHECK(tested(0));
+        CHECK(tested(1));
+        CHECK(!tested(2)); // or training would lack it
+    }
+}
+
+TEST_CASE("split_data: folds by rule and seed") {
+    const auto labels = labels_of(3, 52), groups = people_of(3, 13);
+    for (const auto& [rule, folds] : {std::pair(split_rule::leave_one_group_out, std::size_t{13}),
+                                      {split_rule::group_folds, 4},
+                                      {split_rule::stratified_folds, 4}}) {
+        std::vector<int> tested(labels.size());
+        for (std::uint64_t seed = 0; seed < folds; ++seed) {
+            const data_split split = split_data(labels, 3, groups, rule, seed, {}, folds);
+            check_complete(split, labels.size());
+            CHECK_NOTHROW(check_split(split, labels));
+            CHECK((rule == split_rule::stratified_folds || !split.validation.empty()));
+            for (const std::size_t i : split.test)
+                ++tested[i];
+            CHECK(split.test == split_data(labels, 3, groups, rule, seed + folds, {}, folds).test);
+            if (needs_groups(rule))
+                CHECK_NOTHROW(check_split(split, labels, groups));
+            else
+                CHECK(split.validation.size() == 24); // the share of all, of each class alike
+        }
+        CHECK(std::all_of(tested.begin(), tested.end(), [](int n) { return n == 1; }));
+        CHECK(needs_groups(rule) == !(rule == split_rule::stratified_folds));
+    }
+    auto outliers = labels;
+    outliers[7] = no_class;
+    const data_split with = split_data(outliers, 3, groups, split_rule::leave_one_group_out, 1);
+    CHECK(with.training.back() == 7);
+    CHECK(std::find(with.test.begin(), with.test.end(), 7) == with.test.end());
+    CHECK(split_data(labels, 3, {}, split_rule::blocked, 1) == split_data(labels, 3, split_rule::blocked, 1));
+    CHECK_THROWS_WITH((void)split_data(labels, 3, people_of(1, 13), split_rule::grouped, 1),
+                      "split_data: expected the group of each of 156 samples, found 52 groups");
+    CHECK_THROWS_AS((void)split_data(labels, 3, split_rule::grouped, 1), std::invalid_argument);
+    CHECK_THROWS_AS((void)split_data(labels, 3, groups, split_rule::given, 1), std::invalid_argument);
+}
+
+TEST_CASE("check_split: what is on both sides, and what training lacks") {
+    const std::vector<std::size_t> labels{0, 0, 0, 1, 1, 1}, groups{0, 1, 2, 0, 1, 2};
+    const auto problem = [&](const data_split& split) -> std::string {
+        try {
+            check_split(split, labels, groups);
+        } catch (const std::invalid_argument& error) {
+            return error.what();
+        }
+        return {};
+    };
+    CHECK(problem({{0, 3, 3}, {1, 4}, {2, 5}}).empty());
+    CHECK(problem({{0, 3}, {1}, {2, 3}}) ==
+          "split: expected sample 3 in one part, found it in training and in test");
+    CHECK(problem({{0, 4}, {1}, {2}}) ==
+          "split: expected group 1 in one part, found it in training and in validation");
+    CHECK(problem({{0}, {1}, {2, 5}}) ==
+          "split: expected training samples of class 1, of which sample 5 is in test, found none");
+    CHECK(problem({{0, 6}, {}, {}}) == "split: expected samples below 6, found 6");
+}
+
+TEST_CASE("balanced: rare classes are repeated in turn") {
+    const std::vector<std::size_t> labels{0, 0, 0, 0, 0, 1, 1, no_class};
+    const data_split split = balanced({{0, 1, 2, 3, 4, 5, 6, 7}, {}, {}}, labels);
+    CHECK(split.training == std::vector<std::size_t>{0, 1, 2, 3, 4, 5, 6, 7, 5, 6, 5});
 }
 
 } // namespace

@@ -389,7 +389,10 @@ TEST_CASE("trainer: refuses a split without training images") {
 TEST_CASE("trainer: refuses the split of other images, whatever part of it does not fit") {
     toy_setup setup{4};
     const char* const error = "images: expected indices below 12 in the split, found 12";
-    CHECK_NOTHROW(setup.begin(data_split{{0, 11}, {11}, {}}));
+    CHECK_NOTHROW(setup.begin(data_split{{0, 10}, {11}, {}}));
+    CHECK_THROWS_WITH_AS(setup.begin(data_split{{0, 11}, {}, {11}}),
+                         "split: expected sample 11 in one part, found it in training and in test",
+                         std::invalid_argument);
     CHECK_THROWS_WITH_AS(setup.begin(data_split{{0, 12}, {1}, {}}), error, std::invalid_argument);
     CHECK_THROWS_WITH_AS(setup.begin(data_split{{0}, {12}, {}}), error, std::invalid_argument);
     const std::vector<std::size_t> test{12};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <tactnet/runtime/folds.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/svm/kernel_training.hpp>
 #include <tactnet/svm/multiclass.hpp>
@@ -12,19 +13,22 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// The settings to try: each kernel with each cost.
+/// The settings to try: each kernel with each cost. Folds are scikit-learn's: StratifiedKFold of the samples
+/// in their order, or GroupKFold where `groups` has the group of each sample, or LeaveOneGroupOut if `folds`
+/// is 0 then.
 template <svm_kernel Kernel>
 struct search_grid {
     std::vector<Kernel> kernels;
     std::vector<double> costs;
     std::size_t folds = 5;
+    std::vector<std::size_t> groups{};
 };
 
 /// The outcome of a grid search.
 template <svm_kernel Kernel>
 struct grid_search_result {
-    /// Share of samples recognised by machines that have not seen them, in the order of the grid: that of
-    /// kernels[k] with costs[c] is accuracies[k * costs.size() + c].
+    /// Share of samples recognised by machines that have not seen them, mean over the folds, in the order of
+    /// the grid: that of kernels[k] with costs[c] is accuracies[k * costs.size() + c].
     std::vector<double> accuracies;
     /// The best kernel; the first of equal ones.
     Kernel kernel;
@@ -84,31 +88,34 @@ std::vector<std::size_t> count_recognised(const kernel_samples<Kernel>& samples,
 /// them. `options` has all other settings; standardisation is fitted on each part's training samples, as is a
 /// γ of "scale". Products of the samples are computed once per part for all kernels. A class with fewer
 /// samples than parts may be missing from the training of some: its samples there count as not recognised.
-/// Throws std::invalid_argument as train_kernel_machine does, and for a grid without kernels or costs or with
-/// fewer than two parts.
+/// Throws std::invalid_argument as train_kernel_machine does, for a grid without kernels or costs, and for
+/// fewer than two folds.
 template <svm_kernel Kernel, std::size_t Features>
 [[nodiscard]] grid_search_result<Kernel>
 grid_search(const search_grid<Kernel>& grid, feature_rows<Features> rows, std::span<const std::size_t> labels,
             const kernel_training_options<Kernel>& options, thread_pool& threads) {
-    if (grid.kernels.empty() || grid.costs.empty() || grid.folds < 2 || rows.size() < grid.folds)
-        throw std::invalid_argument(
-            "grid search: expected a kernel, a cost, and two parts or more of at least "
-            "one sample each");
+    if (grid.kernels.empty() || grid.costs.empty())
+        throw std::invalid_argument("grid search: expected a kernel and a cost");
     check_samples(rows, labels);
+    if (!grid.groups.empty() && grid.groups.size() != labels.size())
+        detail::throw_invalid_argument({"grid search: expected the group of each of ", labels.size(),
+                                        " samples, found ", grid.groups.size(), " groups"});
+    const std::vector<std::size_t> fold_of = grid.groups.empty() ? stratified_folds(labels, grid.folds)
+                                             : grid.folds == 0   ? one_group_folds(grid.groups)
+                                                                 : group_folds(grid.groups, grid.folds);
+    const std::size_t folds = detail::count_of(fold_of);
     const class_members classes(labels);
     classes.require_two();
     for (const double cost : grid.costs)
         static_cast<void>(class_costs(classes, cost, options.class_weights)); // throws before any work
     detail::check_class_weights(classes, options.class_weights);
     detail::require_training_memory(classes.size(), rows.size(), options.scheme, options.memory_bytes,
-                                    grid.costs.size(), rows.size() / grid.folds + 1);
-    const std::vector<std::size_t> fold_of =
-        deal_folds(classes.samples, rows.size(), grid.folds, options.seed);
+                                    grid.costs.size(), rows.size() / folds + 1);
 
     const std::size_t costs = grid.costs.size();
-    std::vector<std::size_t> recognised(grid.kernels.size() * costs);
     grid_search_result<Kernel> result;
-    for (std::size_t f = 0; f < grid.folds; ++f) {
+    result.accuracies.resize(grid.kernels.size() * costs);
+    for (std::size_t f = 0; f < folds; ++f) {
         std::vector<std::size_t> training;
         detail::fold_samples fold;
         for (const std::size_t sample : all_samples(rows.size()))
@@ -129,11 +136,12 @@ grid_search(const search_grid<Kernel>& grid, feature_rows<Features> rows, std::s
             const std::vector<std::size_t> counts = detail::count_recognised(
                 samples, fold, labels, grid.costs, options, threads, result.converged);
             for (std::size_t c = 0; c < costs; ++c)
-                recognised[k * costs + c] += counts[c];
+                result.accuracies[k * costs + c] +=
+                    static_cast<double>(counts[c]) / static_cast<double>(fold.held_out.size());
         }
     }
-    for (const std::size_t count : recognised)
-        result.accuracies.push_back(static_cast<double>(count) / static_cast<double>(rows.size()));
+    for (double& accuracy : result.accuracies) // divided at the end: the mean of equal numbers is that number
+        accuracy /= static_cast<double>(folds);
     const auto best = static_cast<std::size_t>(
         std::max_element(result.accuracies.begin(), result.accuracies.end()) - result.accuracies.begin());
     result.kernel = grid.kernels[best / costs];

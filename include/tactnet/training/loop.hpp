@@ -191,6 +191,8 @@ private:
         samples.check_finite(network_->input_shape());
         samples.check_indices(split.training);
         samples.check_classes(split.validation);
+        samples.check_classes(split.test);
+        check_split(split, samples.labels());
         how.check();
         if (split.training.empty())
             throw std::invalid_argument("trainer: the training part of the split holds no sample");

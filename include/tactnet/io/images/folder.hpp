@@ -68,7 +68,13 @@ struct image_folder {
     std::vector<std::string> classes;
     /// By class, then in natural order (see natural_less), which is the order of recording.
     std::vector<file> files;
+    /// Hidden subfolders with images, which are no classes: ".box" may be meant as one.
+    std::vector<std::string> left_out{};
 };
+
+/// Where the images of a class are: in its folder, or in folders within that, one for each group of images
+/// that belong together, such as those of a person or of an object.
+enum class image_folder_layout { classes, groups_in_classes };
 
 /// The file name extensions of images.
 inline constexpr std::array<std::string_view, 3> default_image_extensions{".jpg", ".jpeg", ".png"};
@@ -83,14 +89,14 @@ inline std::string lower_case(std::string text) {
     return text;
 }
 
-/// The entries of a folder without the hidden ones, which editors and file managers leave behind.
+/// The entries of a folder without the hidden ones, which editors and file managers leave behind; or these.
 [[gnu::cold]] inline std::vector<std::filesystem::directory_entry>
-visible_entries(const std::filesystem::path& folder) {
+visible_entries(const std::filesystem::path& folder, bool hidden = false) {
     std::vector<std::filesystem::directory_entry> entries;
     std::error_code code;
     auto walk = std::filesystem::directory_iterator(folder, code);
     for (; !code && walk != std::filesystem::directory_iterator(); walk.increment(code))
-        if (!walk->path().filename().string().starts_with('.'))
+        if (walk->path().filename().string().starts_with('.') == hidden)
             entries.push_back(*walk);
     if (code)
         throw_file_error(folder.string(), {}, {"a readable folder"}, {"'", code.message(), "'"});
@@ -128,14 +134,35 @@ inline bool is_folder(const std::filesystem::directory_entry& entry) {
     return type == file_type::regular;
 }
 
+inline bool is_image(const std::filesystem::path& path, std::span<const std::string_view> extensions) {
+    return std::find(extensions.begin(), extensions.end(), lower_case(path.extension().string())) !=
+           extensions.end();
+}
+
+/// The names of hidden folders that hold images. Never throws for what is in them: they are not read.
+[[gnu::cold]] inline std::vector<std::string> hidden_folders(const std::filesystem::path& root,
+                                                             std::span<const std::string_view> extensions) {
+    std::vector<std::string> names;
+    for (const auto& entry : visible_entries(root, true)) {
+        std::error_code code;
+        auto walk = std::filesystem::directory_iterator(entry.path(), code);
+        for (; !code && walk != std::filesystem::directory_iterator(); walk.increment(code))
+            if (is_image(walk->path(), extensions)) {
+                names.push_back(entry.path().filename().string());
+                break;
+            }
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
 /// The names of the images in a folder, in natural order.
 [[gnu::cold]] inline std::vector<std::string> images_in(const std::filesystem::path& folder,
                                                         std::span<const std::string_view> extensions) {
     std::vector<std::string> images;
     std::size_t others = 0;
     for (const auto& entry : visible_entries(folder)) {
-        const std::string extension = lower_case(entry.path().extension().string());
-        if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end() && is_file(entry))
+        if (is_image(entry.path(), extensions) && is_file(entry))
             images.push_back(entry.path().filename().string());
         else
             ++others;
@@ -151,16 +178,30 @@ inline bool is_folder(const std::filesystem::directory_entry& entry) {
     return images;
 }
 
+/// The names of the folders in the folder of a class, in natural order.
+[[gnu::cold]] inline std::vector<std::string> group_folders_in(const std::filesystem::path& folder) {
+    std::vector<std::string> groups;
+    for (const auto& entry : visible_entries(folder))
+        if (is_folder(entry))
+            groups.push_back(entry.path().filename().string());
+    if (groups.empty())
+        throw_file_error(folder.string(), {}, {"a folder for each group of images of this class"}, {"none"});
+    std::sort(groups.begin(), groups.end(), natural_less);
+    return groups;
+}
+
 } // namespace detail
 
 /// Lists the images in the subfolders of `root`. Hidden entries, files next to the subfolders and folders
-/// within them are ignored. `extensions` are in lower case with the dot; the case of the files does not
-/// matter. Links are followed. Throws file_error when there is no such folder, there are fewer than two
-/// subfolders, a subfolder has no images, its name is not UTF-8 or has control characters (weight files will
-/// store it), a subfolder or an image is a link to nothing, or an image is a pipe, a socket or a device.
+/// within them are ignored, unless images are in groups: then the files next to those are. `extensions` are
+/// in lower case with the dot; the case of the files does not matter. Links are followed. Throws file_error
+/// when there is no such folder, there are fewer than two subfolders, a subfolder has no images, its name is
+/// not UTF-8 or has control characters (weight files will store it), a subfolder or an image is a link to
+/// nothing, or an image is a pipe, a socket or a device.
 [[gnu::cold]] inline image_folder
 list_image_folder(const std::filesystem::path& root,
-                  std::span<const std::string_view> extensions = default_image_extensions) {
+                  std::span<const std::string_view> extensions = default_image_extensions,
+                  image_folder_layout layout = image_folder_layout::classes) {
     std::error_code code;
     const auto status = std::filesystem::status(root, code);
     if (!std::filesystem::is_directory(status))
@@ -193,9 +234,17 @@ list_image_folder(const std::filesystem::path& root,
                                  {"only ", in_quotes(folder.classes.front())});
     for (std::size_t label = 0; label < folder.classes.size(); ++label) {
         const auto subfolder = root / folder.classes[label];
-        for (const std::string& name : detail::images_in(subfolder, extensions))
-            folder.files.push_back({subfolder / name, label});
+        std::vector<std::filesystem::path> with_images{subfolder};
+        if (layout == image_folder_layout::groups_in_classes) {
+            with_images.clear();
+            for (const std::string& group : detail::group_folders_in(subfolder))
+                with_images.push_back(subfolder / group);
+        }
+        for (const auto& of_group : with_images)
+            for (const std::string& name : detail::images_in(of_group, extensions))
+                folder.files.push_back({of_group / name, label});
     }
+    folder.left_out = detail::hidden_folders(root, extensions);
     return folder;
 }
 

@@ -148,6 +148,7 @@ public:
     [[nodiscard]] std::size_t size() const { return labels_.size(); }
     [[nodiscard]] std::size_t classes() const { return classes_; }
     [[nodiscard]] std::size_t label(std::size_t sample) const { return labels_[sample]; }
+    [[nodiscard]] std::span<const std::size_t> labels() const { return labels_; }
     [[nodiscard]] bool are_images() const { return numbers_.index() == 0; }
 
     /// The counts of all images. Throws std::logic_error for features.

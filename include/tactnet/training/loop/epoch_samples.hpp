@@ -35,6 +35,9 @@ public:
           batch_(how.batch == 0 ? chosen_.size() : std::min(how.batch, size())) {
         if (taken_.given())
             ranges_.translation *= taken_.tactels_for_one();
+        std::vector<std::size_t> seen(samples.size());
+        for (const std::size_t sample : chosen_)
+            drawn_as_.push_back(static_cast<std::uint32_t>(sample + seen[sample]++ * samples.size()));
         if (rule_ != augmentation_rule::sixfold)
             return;
         sixfold_.resize(size() * numbers_);
@@ -88,7 +91,7 @@ private:
     }
     [[nodiscard]] image_transform drawn(std::size_t place, std::size_t time) const {
         random_stream random(seed_, random_purposes::augmentation, static_cast<std::uint32_t>(time),
-                             static_cast<std::uint32_t>(sample_at(place)));
+                             drawn_as_[place / copies()]);
         return image_transform::draw(ranges_, random);
     }
 
@@ -99,6 +102,7 @@ private:
     labelled_samples samples_;
     images_as_taken taken_; ///< empty if the recipe does not vary them
     std::vector<std::size_t> chosen_;
+    std::vector<std::uint32_t> drawn_as_; ///< the sample, or another number where it is repeated
     std::uint64_t seed_;
     std::size_t batch_;
     std::vector<float> sixfold_;
