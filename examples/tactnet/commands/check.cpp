@@ -1,19 +1,16 @@
 // tactnet check: a folder of images as the program reads it, and what is wrong with it.
 
 #include "commands/commands.hpp"
+#include "data/image_data.hpp"
 #include "data/input_file.hpp"
 #include "methods/training_settings.hpp"
-
-#include <tactnet/io/images/folder.hpp>
-#include <tactnet/io/images/set.hpp>
+#include "reports/neighbours.hpp"
 
 #include <decode_image.hpp>
 #include <set>
 
 namespace {
 
-/// The images that the paper's methods were tested on, as its authors publish them.
-constexpr std::uint64_t fingerprint_of_paper = 0x587e7229c6307ee5;
 constexpr const char* paper_images = "the paper's 1 100 images of 22 classes, 28x50, of which 5 are copies "
                                      "(github.com/TaISLab/CNN-based-Methods-for-Tactile-Object-Recognition, "
                                      "with the paper doi 10.1109/JSEN.2019.2912968)";
@@ -61,25 +58,6 @@ std::string usual_size(const std::vector<checked_image>& images) {
     return std::ranges::max_element(sizes, {}, [](const auto& size) { return size.second; })->first;
 }
 
-/// Depends on the pixels of all images and on which are of one class, not on names or order.
-std::uint64_t fingerprint_of_images(const std::vector<checked_image>& images, std::size_t classes) {
-    std::vector<std::uint64_t> sums(classes);
-    for (const checked_image& found : images) {
-        fingerprint print;
-        print.add(found.image.rows);
-        print.add(found.image.columns);
-        print.mix_all(found.image.pixels);
-        sums[found.label] += print.value();
-    }
-    std::uint64_t all = 0;
-    for (const std::uint64_t sum : sums) {
-        fingerprint print;
-        print.add(sum);
-        all += print.value();
-    }
-    return all;
-}
-
 /// A line of the table.
 struct counts {
     std::string name;
@@ -120,8 +98,56 @@ std::vector<std::filesystem::path> others_in(const std::filesystem::path& folder
     return others;
 }
 
-int check_data(const std::filesystem::path& folder) {
-    const tactnet::image_folder list = tactnet::list_image_folder(folder);
+/// Classes of too few images for a test to say much of them, and classes of many that crowd out others. Each
+/// in a line.
+std::vector<std::string> doubts_of(std::span<const counts> classes) {
+    constexpr std::size_t few = 20, times = 3; // 20 % of 20 are 4 images to test
+    std::vector<std::string> doubts;
+    const std::size_t most = std::ranges::max(classes, {}, &counts::images).images;
+    for (const counts& of : classes)
+        if (of.images < few && times * of.images < most)
+            doubts.push_back(
+                fmt::format("{}: expected {} images or more and a third of the largest class, which "
+                            "has {}, found {}; record more, or train with --balance",
+                            of.name, few, grouped(most), of.images));
+        else if (of.images < few / 2)
+            doubts.push_back(
+                fmt::format("{}: expected {} images or more, of which a test needs some, found {}", of.name,
+                            few / 2, of.images));
+        else if (times * of.images < most)
+            doubts.push_back(
+                fmt::format("{}: expected a third of the images of the largest class, which has {}, "
+                            "found {}; train with --balance, and read the recall of each class",
+                            of.name, grouped(most), grouped(of.images)));
+    return doubts;
+}
+
+/// Of the images of the usual size.
+std::string neighbours_of(const image_list& list, const std::vector<checked_image>& images,
+                          const std::string& usual) {
+    std::vector<std::uint8_t> pixels;
+    std::vector<std::size_t> labels, groups;
+    std::vector<std::filesystem::path> paths;
+    tactnet::shape size{};
+    for (std::size_t i = 0; i < images.size(); ++i)
+        if (images[i].size == usual) {
+            const tactnet::grey_image& image = images[i].image;
+            size = {image.rows, image.columns};
+            pixels.insert(pixels.end(), image.pixels.begin(), image.pixels.end());
+            labels.push_back(images[i].label);
+            paths.push_back(list.folder.files[i].path);
+            if (!list.groups.empty())
+                groups.push_back(list.groups[i]);
+        }
+    if (pixels.empty())
+        return {};
+    return neighbours_text(
+        {{pixels, labels, list.folder.classes.size()}, size, groups, paths, list.folder.root});
+}
+
+int check_data(const std::filesystem::path& folder, const group_options& options) {
+    const image_list listed = list_images(folder, options);
+    const tactnet::image_folder& list = listed.folder;
     const std::vector<checked_image> images = read_images(list, folder);
     const std::string usual = usual_size(images);
     std::vector<counts> lines;
@@ -177,12 +203,28 @@ int check_data(const std::filesystem::path& folder) {
     if (const auto others = others_in(folder, list); !others.empty())
         text += fmt::format("{} files are no images of a class and are passed over, such as {}\n",
                             grouped(others.size()), name_in(folder, others.front()));
-    const bool of_paper = fingerprint_of_images(images, list.classes.size()) == fingerprint_of_paper;
+    paper_fingerprint print_of_paper(list.classes.size());
+    for (const checked_image& found : images)
+        print_of_paper.add(found.label, found.image.rows, found.image.columns, found.image.pixels);
+    const bool of_paper = print_of_paper.of_paper();
     text += fmt::format("These are {}{}{}.\n", of_paper ? "" : "not ", paper_images,
                         of_paper ? ", to the last pixel" : "");
     for (const std::string& problem : problems)
         text += problem + '\n';
-    text += problems.empty() ? "nothing is wrong\n" : fmt::format("{} problems\n", grouped(count));
+    std::vector<std::string> doubts = doubts_of(std::span(lines).first(list.classes.size()));
+    for (const std::string& name : list.left_out)
+        doubts.push_back(printable((list.root / name).string()) +
+                         ": expected a class, found a name that begins with a dot; it is left out");
+    const std::string neighbours = neighbours_of(listed, images, usual);
+    for (const std::string& doubt : doubts)
+        text += "warning: " + doubt + '\n';
+    text += neighbours;
+    if (!problems.empty())
+        text += fmt::format("{} problems\n", grouped(count));
+    else if (!doubts.empty() || !neighbours.empty())
+        text += fmt::format("no image is wrong; {} warnings\n", doubts.size() + (neighbours.empty() ? 0 : 1));
+    else
+        text += "nothing is wrong\n";
     print(text);
     return problems.empty() ? success : failed;
 }
@@ -193,6 +235,8 @@ command add_check(CLI::App& program) {
     auto* app = program.add_subcommand(
         "check", "Describe a folder of images, report problems, and compare it with the paper's data set");
     auto folder = std::make_shared<std::string>();
+    auto groups = std::make_shared<group_options>();
     add_data_option(*app, *folder);
-    return [folder] { return check_data(*folder); };
+    add_group_options(*app, *groups);
+    return [folder, groups] { return check_data(*folder, *groups); };
 }

@@ -54,10 +54,11 @@ candidate_list candidates_of(const evaluate_options& o) {
 }
 
 /// Throws usage_error.
-void check(const evaluate_options& o, const split_plan& plan, const candidate_list& chosen) {
-    if (plan.splits - 1 > std::numeric_limits<std::uint64_t>::max() - plan.first_seed)
+void check(const evaluate_options& o, const candidate_list& chosen) {
+    const std::size_t splits = o.splits.value_or(o.usual_splits);
+    if (splits - 1 > std::numeric_limits<std::uint64_t>::max() - o.first_seed)
         refuse("--seed, --splits: expected seeds below 2^64 for all splits, found {} of them from {} on",
-               plan.splits, plan.first_seed);
+               splits, o.first_seed);
     if (o.training.shares.test <= 0)
         refuse("--test: expected a share above 0, since accuracy is measured on these images, found 0");
     std::set<std::filesystem::path> pictures; // a method may be named twice
@@ -77,7 +78,8 @@ void report(const evaluate_options& o, const candidate_list& candidates, const s
     for (const candidate& c : candidates)
         for (const std::size_t bits : bits_of(c)) {
             const std::string title =
-                fmt::format("{}, {} {} splits", title_of(*row), o.splits, name_of(shown_rule(rows)));
+                fmt::format("{}, {} {} splits", title_of(*row), number(*row, shown_rule(rows), "splits"),
+                            name_of(shown_rule(rows)));
             plot_confusion(picture_stem(o, "confusion", c, bits), title, row->confusion, row->classes);
             if (row->probabilities)
                 plot_reliability(picture_stem(o, "reliability", c, bits), title, *row->probabilities);
@@ -92,10 +94,9 @@ void report(const evaluate_options& o, const candidate_list& candidates, const s
 }
 
 int evaluate(const evaluate_options& o) {
-    const split_plan plan{rules_of(o.split), o.first_seed, o.splits};
     candidate_list candidates = candidates_of(o);
-    check(o, plan, candidates);
-    load_candidates(candidates, o.data);
+    check(o, candidates);
+    const split_plan plan = load_candidates(candidates, o, o.first_seed);
     const std::filesystem::path list = std::filesystem::path(o.results) / "evaluation.jsonl";
     if (o.afresh) {
         std::error_code ignored;
@@ -140,7 +141,7 @@ int evaluate_weights(const evaluate_options& o) {
     check_outputs({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs, o.data);
     const loaded_weights weights = load_weights(o.weights);
     const method& what = *weights.what;
-    const image_data data = load_data(o.data, what.rows, what.columns, o.training.resize);
+    const image_data data = load_data(o.data, what.rows, what.columns, o.training.resize, o.groups);
     const std::vector<std::string>& classes = data.images.classes;
     check_classes(o, weights, classes);
     tactnet::data_split split;

@@ -13,6 +13,7 @@ namespace {
 struct export_options {
     weight_options weights;
     std::string output, namespace_name = "tactile", packing, data, images = "training";
+    group_options groups;
     std::size_t bits = 32;
     bool onnx = false;
 };
@@ -59,7 +60,8 @@ std::unique_ptr<trained_network> turned_to_bytes(const export_options& o, const 
                "found '8'",
                o.weights.weights);
     check_bits(*weights.what, o.bits);
-    const image_data data = load_data(o.data, weights.what->rows, weights.what->columns, o.weights.resize);
+    const image_data data =
+        load_data(o.data, weights.what->rows, weights.what->columns, o.weights.resize, o.groups);
     return in_eight_bits(*weights.trained, data.view(),
                          o.images == "all"
                              ? tactnet::all_samples(data.images.size())
@@ -132,6 +134,7 @@ command add_export(CLI::App& program) {
     add_bits_option(*app, o->bits,
                     "8: turn weights in single precision into 8 bits; a file in 8 bits needs no such option");
     app->add_option("--data", o->data, "With --bits 8: the folder of images that the network was trained on");
+    add_group_options(*app, o->groups);
     add_option(*app, "--images", o->images, CLI::IsMember({"training", "all"}),
                "Use the 'training' images of its split, or 'all' images; never use test images");
     app->add_flag("--onnx", o->onnx, "Write an ONNX file, for other runtimes: counts in, logits out");

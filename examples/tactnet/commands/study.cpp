@@ -157,8 +157,7 @@ int study(const study_options& o) {
     const std::filesystem::path folder = o.results;
     candidate_list candidates = candidates_of(o);
     check(o, candidates);
-    const split_plan splits{rules_of(o.split), 0, o.splits};
-    load_candidates(candidates, o.data);
+    const split_plan splits = load_candidates(candidates, o);
     result_list results(folder / "evaluation.jsonl");
     std::vector<task> all = tasks_of(candidates, splits);
     std::vector<std::string> diverged;
@@ -187,8 +186,8 @@ int study(const study_options& o) {
     const image_data& data = *candidates.front().data;
     report(folder, rows,
            fmt::format("{} images of {} classes in {}; {} {} splits{}. {}", data.images.size(),
-                       data.images.classes.size(), printable(o.data), o.splits,
-                       o.split == "both" ? "random and as many blocked" : o.split,
+                       data.images.classes.size(), printable(o.data), splits.splits,
+                       splits.rules.size() > 1 ? "random and as many blocked" : name_of(splits.rules.front()),
                        elsewhere.empty() ? "" : "; " + printable(elsewhere), text_of(timings.shown())));
     return diverged.empty() ? success : failed;
 }
@@ -200,7 +199,7 @@ command add_study(CLI::App& program) {
         "study", "Train and time all methods at all sizes, and compare them with the paper on one page");
     auto o = std::make_shared<study_options>();
     o->results = "study";
-    o->splits = 20;
+    o->usual_splits = 20;
     add_evaluation_options(*app, *o);
     std::set<std::string> names, sizes;
     for (const auto& m : all_methods()) {

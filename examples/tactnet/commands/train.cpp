@@ -8,6 +8,7 @@
 #include "methods/networks/compiled.hpp"
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
+#include "reports/neighbours.hpp"
 #include "reports/pictures.hpp"
 
 #include <tactnet/io/checkpoint.hpp>
@@ -20,7 +21,8 @@ namespace {
 
 struct train_options {
     training_settings training;
-    std::string data, method = default_method(), split = "random", output, checkpoint;
+    std::string data, method = default_method(), split, output, checkpoint;
+    group_options groups;
     std::uint64_t seed = 0;
     std::size_t threads = 1; // more pay on an idle machine only: their barriers wait for every core
     std::size_t selftest = 4;
@@ -64,10 +66,10 @@ public:
 
     int run() {
         check_files();
-        data = load_data(o.data, what.rows, what.columns, o.training.resize);
+        data = load_data(o.data, what.rows, what.columns, o.training.resize, o.groups);
         const std::size_t classes = data.images.classes.size();
         check_capacity(what, o.data, classes);
-        const tactnet::split_rule rule = split_rule_of(o.split);
+        rule = split_rule_for(o.split, data);
         settings = describe_training(what, o.training, rule, o.seed, data);
         if (o.resume) { // before anything is found that another training may have kept
             check_no_device(checkpoint);
@@ -82,10 +84,8 @@ public:
                 return interrupted_by_user;
             }
         }
-        training =
-            what.train(recipe, data.view(),
-                       tactnet::split_data(data.images.labels, classes, rule, o.seed, o.training.shares),
-                       o.seed, threads, begins_with);
+        training = what.train(recipe, data.view(), split_for(data, o.training, rule, o.seed), o.seed, threads,
+                              begins_with);
         begins_with.reset(); // the training has what it needs of it
         epochs = dynamic_cast<epoch_training*>(training.get());
         start(*training, from.get());
@@ -94,6 +94,7 @@ public:
              classes,
              epochs != nullptr ? fmt::format(" {} parameters:", grouped(what.costs(classes).parameters)) : "",
              train.size(), validate.size(), test.size());
+        tell_neighbours(data, training->split());
         const stopwatch watch;
         if (!(epochs != nullptr ? run_epochs() : run_at_once()))
             return interrupted_by_user;
@@ -244,8 +245,9 @@ private:
                 plot_learning_curves(reports + ".learning", fmt::format("{}, {} recipe", title, recipe.name),
                                      epochs->history());
             if (test.total() > 0)
-                plot_confusion(reports + ".confusion", fmt::format("{}, {} split {}", title, o.split, o.seed),
-                               test, data.images.classes);
+                plot_confusion(reports + ".confusion",
+                               fmt::format("{}, {} split {}", title, name_of(rule), o.seed), test,
+                               data.images.classes);
         } catch (const tactnet::file_error&) { // a full disk, which may have room for it elsewhere
             if (written)
                 tell("the weights are whole in {}; what failed is about them\n", printable(weights.string()));
@@ -270,6 +272,7 @@ private:
     claims files;
     tactnet::thread_pool threads;
     image_data data;
+    tactnet::split_rule rule{};
     tactnet::file_metadata settings{};
     std::unique_ptr<training_run> training;
     epoch_training* epochs = nullptr; ///< the same, of a network
@@ -291,8 +294,8 @@ command add_train(CLI::App& program) {
     add_bits_option(*app, o->training.bits,
                     "Of a weight in the file: 32, single precision, or 8, with the ranges of maps from the "
                     "training images");
-    add_option(*app, "--split", o->split, CLI::IsMember({"random", "blocked"}),
-               "'random', or 'blocked': neighbours in the order of recording stay together");
+    add_group_options(*app, o->groups);
+    add_split_option(*app, o->split, "random");
     add_option(*app, "--seed", o->seed, whole_number(0),
                "Seed of the split, the initial weights and the order of images");
     add_option(*app, "--threads", o->threads, whole_number(1, 1024),

@@ -29,10 +29,65 @@ void keep_as_taken(image_data& data, const tactnet::grey_image& image) {
 
 } // namespace
 
-image_data load_data(const std::filesystem::path& folder, std::size_t rows, std::size_t columns,
-                     bool resize) {
-    const tactnet::image_folder list = tactnet::list_image_folder(folder);
+void tell_left_out(const tactnet::image_folder& list) {
+    for (const std::string& name : list.left_out)
+        tell("{} is left out, since its name begins with a dot\n", printable((list.root / name).string()));
+}
+
+void paper_fingerprint::add(std::size_t label, std::size_t rows, std::size_t columns,
+                            std::span<const std::uint8_t> pixels) {
+    fingerprint print;
+    print.add(rows);
+    print.add(columns);
+    print.mix_all(pixels);
+    sums_[label] += print.value();
+}
+
+bool paper_fingerprint::of_paper() const {
+    std::uint64_t all = 0;
+    for (const std::uint64_t sum : sums_) {
+        fingerprint print;
+        print.add(sum);
+        all += print.value();
+    }
+    return all == 0x587e7229c6307ee5;
+}
+
+std::string image_data::name(std::size_t image) const {
+    return printable(images.paths[image].lexically_relative(root).string());
+}
+
+bool image_data::of_paper() const {
+    const bool reduced = !taken.pixels.empty();
+    const std::size_t height = reduced ? taken.size.rows : images.rows,
+                      width = reduced ? taken.size.columns : images.columns;
+    const std::span<const std::uint8_t> pixels = reduced ? taken.pixels : images.pixels;
+    paper_fingerprint print(images.classes.size());
+    for (std::size_t i = 0; i < images.size(); ++i)
+        print.add(images.labels[i], height, width, pixels.subspan(i * height * width, height * width));
+    return print.of_paper();
+}
+
+image_data load_data(const std::filesystem::path& folder, std::size_t rows, std::size_t columns, bool resize,
+                     const group_options& groups) {
+    image_list listed = list_images(folder, groups);
+    const tactnet::image_folder& list = listed.folder;
+    tell_left_out(list);
     image_data data;
+    data.root = folder;
+    data.groups = std::move(listed.groups);
+    data.group_names = std::move(listed.group_names);
+    data.given = std::move(listed.given);
+    fingerprint of_groups, of_parts;
+    for (const std::size_t group : data.groups)
+        of_groups.add(group);
+    if (data.given)
+        for (const auto* part : {&data.given->training, &data.given->validation, &data.given->test}) {
+            of_parts.add(part->size());
+            for (const std::size_t image : *part)
+                of_parts.add(image);
+        }
+    data.groups_fingerprint = of_groups.text(), data.given_fingerprint = of_parts.text();
     data.images = resize ? tactnet::load_images(list, rows, columns, decode_image,
                                                 [&](const tactnet::grey_image& image) {
                                                     keep_as_taken(data, image);

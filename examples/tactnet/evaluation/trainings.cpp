@@ -8,6 +8,7 @@
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
 #include "number_options.hpp"
+#include "reports/neighbours.hpp"
 
 #include <atomic>
 #include <chrono>
@@ -47,11 +48,8 @@ training_result result_of(const trained_method& trained, const task& t, const tr
 std::unique_ptr<training_run> train(const task& t, tactnet::thread_pool& alone) {
     const candidate& c = *t.of;
     const image_data& data = *c.data;
-    const std::size_t classes = data.images.classes.size();
-    auto training =
-        c.what->train(recipe_for(*c.what, c.training), data.view(),
-                      tactnet::split_data(data.images.labels, classes, t.rule, t.seed, c.training.shares),
-                      t.seed, alone, c.pretrained);
+    auto training = c.what->train(recipe_for(*c.what, c.training), data.view(),
+                                  split_for(data, c.training, t.rule, t.seed), t.seed, alone, c.pretrained);
     start(*training, c.start.get());
     while (!training->finished() && !interrupted())
         training->advance();
@@ -201,9 +199,10 @@ void add_evaluation_options(CLI::App& app, evaluation_options& o) {
     app.add_option(
         "--results", o.results,
         "Folder for results, which several programs can share; finished trainings are not repeated");
-    add_option(app, "--split", o.split, CLI::IsMember({"both", "random", "blocked"}),
-               "'random', 'blocked' (neighbours in the order of recording stay together) or 'both'");
-    add_option(app, "--splits", o.splits, whole_number(1, 10'000), "Splits of each kind");
+    add_group_options(app, o.groups);
+    add_split_option(app, o.split, "both, random and blocked", "both");
+    add_option(app, "--splits", o.splits, whole_number(1, 10'000),
+               fmt::format("Splits of each kind (default: all folds, or {})", o.usual_splits));
     add_option(app, "--jobs,--threads", o.jobs, whole_number(1, 1024),
                "Trainings at the same time; the results do not depend on it (default: one per core)");
     app.add_flag(
@@ -247,32 +246,48 @@ void tell_others(const std::vector<task>& tasks, const result_list& results) {
         tell("{}\n", printable(others));
 }
 
-std::vector<tactnet::split_rule> rules_of(const std::string& names) {
-    if (names == "both")
-        return {tactnet::split_rule::random, tactnet::split_rule::blocked};
-    return {split_rule_of(names)};
+namespace {
+
+split_plan plan_of(const evaluation_options& o, const candidate& c, std::uint64_t first_seed) {
+    using tactnet::split_rule;
+    split_plan plan{{split_rule::random, split_rule::blocked}, first_seed, o.usual_splits};
+    const image_data& data = *c.data;
+    if (o.split != "both" && !(o.split.empty() && data.groups.empty() && !data.given)) {
+        plan.rules = {split_rule_for(o.split, data)};
+        plan.splits = splits_of(plan.rules.front(), data, c.training.folds).value_or(o.usual_splits);
+    }
+    plan.splits = o.splits.value_or(plan.splits);
+    return plan;
 }
 
-void load_candidates(candidate_list& list, const std::filesystem::path& data) {
+} // namespace
+
+split_plan load_candidates(candidate_list& list, const evaluation_options& o, std::uint64_t first_seed) {
+    split_plan plan;
     std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const image_data>> loaded;
     for (candidate& c : list) {
         std::shared_ptr<const image_data>& images = loaded[{c.what->rows, c.what->columns}];
         if (!images)
             images = std::make_shared<const image_data>(
-                load_data(data, c.what->rows, c.what->columns, c.training.resize));
+                load_data(o.data, c.what->rows, c.what->columns, c.training.resize, o.groups));
         c.data = images;
         const std::size_t classes = images->images.classes.size();
-        check_capacity(*c.what, data.string(), classes);
-        const auto split = tactnet::split_data(images->images.labels, classes, tactnet::split_rule::random, 0,
-                                               c.training.shares);
-        if (split.test.empty()) // nor would there be any by another rule or seed
-            refuse(
-                "{}: expected enough images for a test, of which --test takes a share of {}, found {} of {} "
-                "classes",
-                data.string(), c.training.shares.test, images->images.size(), classes);
+        check_capacity(*c.what, o.data, classes);
+        plan = plan_of(o, c, first_seed);
+        for (const tactnet::split_rule rule : plan.rules)
+            for (std::size_t split = 0; split < plan.splits; ++split)
+                if (split_for(*images, c.training, rule, plan.first_seed + split).test.empty())
+                    refuse(
+                        "{}: expected enough images for a test, of which --test takes a share of {}, found "
+                        "{} of {} classes",
+                        o.data, c.training.shares.test, images->images.size(), classes);
         c.start = load_start(*c.what, c.training, images->images.classes);
         c.pretrained = open_pretrained(*c.what, c.training);
     }
+    for (const tactnet::split_rule rule : plan.rules)
+        tell_neighbours(*list.front().data,
+                        split_for(*list.front().data, list.front().training, rule, plan.first_seed));
+    return plan;
 }
 
 std::vector<task> tasks_of(const candidate_list& candidates, const split_plan& plan) {

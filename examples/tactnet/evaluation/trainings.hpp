@@ -2,6 +2,7 @@
 
 // What an evaluation or a study compares, methods with their images, and its trainings, many at once.
 
+#include "data/grouping.hpp"
 #include "evaluation/results.hpp"
 #include "methods/training_settings.hpp"
 
@@ -38,20 +39,21 @@ struct split_plan {
 
 /// What evaluations and studies have in common.
 struct evaluation_options {
-    std::string data, results = "results", split = "both";
-    std::size_t splits = 10, jobs = std::max(1U, std::thread::hardware_concurrency());
+    std::string data, results = "results", split;
+    group_options groups;
+    std::size_t usual_splits = 10; ///< of rules without folds
+    std::optional<std::size_t> splits{};
+    std::size_t jobs = std::max(1U, std::thread::hardware_concurrency());
     bool elsewhere = false; ///< trainings by other programs take the place of those that are missing
 };
-/// --data, --results, --split, --splits, --jobs and --elsewhere.
+/// --data, those of groups, --results, --split, --splits, --jobs and --elsewhere.
 void add_evaluation_options(CLI::App& app, evaluation_options& options);
 
-/// The rules of "random", "blocked" or "both".
-std::vector<tactnet::split_rule> rules_of(const std::string& names);
-
 using candidate_list = std::vector<candidate>;
-/// Loads images and weights to begin with. Throws usage_error and tactnet::file_error for all that can be
-/// wrong.
-void load_candidates(candidate_list& list, const std::filesystem::path& data);
+/// Loads images and weights to begin with, and returns the splits. Throws usage_error and tactnet::file_error
+/// for all that can be wrong, in each of the splits too.
+split_plan load_candidates(candidate_list& list, const evaluation_options& options,
+                           std::uint64_t first_seed = 0);
 
 /// All trainings of the plan, split by split, so that early results say something of every candidate.
 std::vector<task> tasks_of(const candidate_list& candidates, const split_plan& plan);

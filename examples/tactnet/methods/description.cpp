@@ -191,6 +191,15 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
     };
     all.merge(describe_program());
     all["instruction_set"] = float_instruction_set(all["instruction_set"]);
+    // Left out where they are not used, so that earlier results are found.
+    if (tactnet::needs_groups(rule))
+        all["groups"] = data.groups_fingerprint;
+    if (rule == tactnet::split_rule::given)
+        all["given"] = data.given_fingerprint;
+    else if (tactnet::has_folds(rule) && rule != tactnet::split_rule::leave_one_group_out)
+        all["folds"] = fmt::to_string(s.folds);
+    if (s.balance)
+        all["balance"] = "true";
     if (s.bits == 8)
         all["bits"] = "8";
     if (!s.start.empty())

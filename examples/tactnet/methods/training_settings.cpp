@@ -1,7 +1,10 @@
 #include "methods/training_settings.hpp"
 
 #include "console.hpp"
+#include "data/image_data.hpp"
 #include "number_options.hpp"
+
+#include <tactnet/text/quoting.hpp>
 
 namespace {
 
@@ -99,6 +102,10 @@ void add_training_options(CLI::App& command, training_settings& s, const std::st
     add_option(command, "--validation", s.shares.validation, share(),
                "Share of each class for validation, which selects the best epoch");
     add_option(command, "--test", s.shares.test, share(), "Share of each class for the test");
+    add_option(command, "--folds", s.folds, whole_number(2, 10'000),
+               "Number of folds, for --split group-folds and stratified-folds");
+    command.add_flag("--balance", s.balance,
+                     "Repeat training images of rare classes until all classes have as many");
 }
 
 void add_bits_option(CLI::App& command, std::size_t& bits, const std::string& what_for) {
@@ -118,12 +125,86 @@ void check_bits(const method& what, std::size_t bits) {
            what.name, what.size());
 }
 
-tactnet::split_rule split_rule_of(std::string_view name) {
-    return name == "blocked" ? tactnet::split_rule::blocked : tactnet::split_rule::random;
+std::string_view name_of(tactnet::split_rule rule) {
+    return std::ranges::find(split_rule_names, rule,
+                             &std::pair<std::string_view, tactnet::split_rule>::second)
+        ->first;
 }
 
-std::string_view name_of(tactnet::split_rule rule) {
-    return rule == tactnet::split_rule::blocked ? "blocked" : "random";
+tactnet::split_rule split_rule_for(std::string_view name, const image_data& data, tactnet::split_rule usual) {
+    if (name.empty())
+        return data.given             ? tactnet::split_rule::given
+               : !data.groups.empty() ? tactnet::split_rule::grouped
+                                      : usual;
+    const auto found =
+        std::ranges::find(split_rule_names, name, &std::pair<std::string_view, tactnet::split_rule>::first);
+    if (found == split_rule_names.end())
+        refuse("expected a split such as random or grouped, found {}", tactnet::in_quotes(name));
+    if (tactnet::needs_groups(found->second) && data.groups.empty())
+        refuse("--split {}: expected groups of images, by --group, --group-folders or --table, found none",
+               name);
+    if (found->second == tactnet::split_rule::given && !data.given)
+        refuse("--split given: expected a --table with a column 'split', found none");
+    return found->second;
+}
+
+void add_split_option(CLI::App& command, std::string& name, std::string_view usual, std::string_view more) {
+    std::vector<std::string> names;
+    for (const auto& [known, rule] : split_rule_names)
+        names.emplace_back(known);
+    if (!more.empty())
+        names.emplace_back(more);
+    command
+        .add_option(
+            "--split", name,
+            fmt::format("'random'; 'blocked': neighbours in the order of recording stay together; "
+                        "'grouped', 'group-folds', 'leave-one-group-out': groups stay together; "
+                        "'stratified-folds'; 'given': of a table (default: of a table, or grouped where "
+                        "there are groups, or else {})",
+                        usual))
+        ->check(CLI::IsMember(names));
+}
+
+std::optional<std::size_t> splits_of(tactnet::split_rule rule, const image_data& data, std::size_t folds) {
+    if (rule == tactnet::split_rule::given)
+        return 1;
+    if (!tactnet::has_folds(rule))
+        return std::nullopt;
+    return rule == tactnet::split_rule::leave_one_group_out ? data.group_names.size() : folds;
+}
+
+tactnet::data_split split_for(const image_data& data, const training_settings& s, tactnet::split_rule rule,
+                              std::uint64_t seed) {
+    tactnet::data_split split;
+    try {
+        split = rule == tactnet::split_rule::given
+                    ? *data.given
+                    : tactnet::split_data(data.images.labels, data.images.classes.size(), data.groups, rule,
+                                          seed, s.shares, s.folds);
+    } catch (const std::invalid_argument& error) { // too few for the folds
+        refuse("--split {}: {}", name_of(rule), error.what());
+    }
+    if (split.training.empty())
+        refuse("--split {}: expected images to train, found none", name_of(rule));
+    const bool by_groups = tactnet::needs_groups(rule) || rule == tactnet::split_rule::given;
+    if (const auto problem = tactnet::problem_of(
+            split, data.images.labels, by_groups ? std::span(data.groups) : std::span<const std::size_t>())) {
+        const auto& [kind, image, part, other] = *problem;
+        const std::string name = data.name(image);
+        if (kind == tactnet::split_problem::lacking_class)
+            refuse(
+                "--split {}, seed {}: expected training images of the class {}, of which {} is for {}, found "
+                "none",
+                name_of(rule), seed, tactnet::in_quotes(data.images.classes[data.images.labels[image]]), name,
+                tactnet::split_parts[part]);
+        refuse("--split {}: expected each {} in one part, found {} for {} and for {}", name_of(rule),
+               kind == tactnet::split_problem::overlap ? "image" : "group",
+               kind == tactnet::split_problem::overlap
+                   ? name
+                   : fmt::format("{} ({})", tactnet::in_quotes(data.group_names[data.groups[image]]), name),
+               tactnet::split_parts[other], tactnet::split_parts[part]);
+    }
+    return s.balance ? tactnet::balanced(std::move(split), data.images.labels) : split;
 }
 
 tactnet::recipe recipe_for(const method& what, const training_settings& s) {

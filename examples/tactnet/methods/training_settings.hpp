@@ -25,6 +25,8 @@ struct training_settings : epoch_settings {
     /// File of a network trained on photographs, for methods that begin with one; else empty.
     std::string pretrained;
     tactnet::split_shares shares;
+    std::size_t folds = 5; ///< of rules with a number of them
+    bool balance = false;  ///< rare classes are repeated in training
     std::size_t bits = 32; ///< of a weight, once it is trained: 8, or single precision
 };
 
@@ -41,9 +43,33 @@ void add_bits_option(CLI::App& command, std::size_t& bits, const std::string& wh
 /// Throws usage_error for 8 bits unless the method has such a form.
 void check_bits(const method& what, std::size_t bits);
 
-/// "random" or "blocked".
-tactnet::split_rule split_rule_of(std::string_view name);
+/// What --split takes, such as "random" and "leave-one-group-out".
+inline constexpr std::array<std::pair<std::string_view, tactnet::split_rule>, 7> split_rule_names{{
+    {"random", tactnet::split_rule::random},
+    {"blocked", tactnet::split_rule::blocked},
+    {"grouped", tactnet::split_rule::grouped},
+    {"group-folds", tactnet::split_rule::group_folds},
+    {"leave-one-group-out", tactnet::split_rule::leave_one_group_out},
+    {"stratified-folds", tactnet::split_rule::stratified_folds},
+    {"given", tactnet::split_rule::given},
+}};
 std::string_view name_of(tactnet::split_rule rule);
+/// The rule of that name; without a name what the data ask for: the split of a table, whole groups where
+/// there are groups, or else `usual`. Throws usage_error for a name that is none, and for data without what
+/// the rule needs.
+tactnet::split_rule split_rule_for(std::string_view name, const image_data& data,
+                                   tactnet::split_rule usual = tactnet::split_rule::random);
+/// --split, which also takes `more`.
+void add_split_option(CLI::App& command, std::string& name, std::string_view usual,
+                      std::string_view more = "");
+
+/// How many splits a rule has, in all; nothing where any seed gives another one.
+std::optional<std::size_t> splits_of(tactnet::split_rule rule, const image_data& data, std::size_t folds);
+
+/// The split of a training. Throws usage_error for parts that have images or groups in common, and for
+/// classes that training lacks.
+tactnet::data_split split_for(const image_data& data, const training_settings& settings,
+                              tactnet::split_rule rule, std::uint64_t seed);
 
 /// What --recipe takes.
 inline const std::vector<std::string> recipe_names{"default", "thorough", "published"};

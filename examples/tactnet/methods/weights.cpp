@@ -166,16 +166,30 @@ tactnet::data_split stored_split(const std::string& file, const tactnet::file_me
         });
     };
     const std::uint64_t seed = number_in("seed", "a whole number below 2^64", whole_number_of);
-    const tactnet::split_shares shares{share_in("validation_share"), share_in("test_share")};
-    if (!is_share(shares.validation + shares.test))
+    training_settings trained;
+    trained.shares = {share_in("validation_share"), share_in("test_share")};
+    if (!is_share(trained.shares.validation + trained.shares.test))
         refuse("{}: metadata: expected shares that leave some images for training, found {} to validate and "
                "{} to test",
-               file, shares.validation, shares.test);
+               file, trained.shares.validation, trained.shares.test);
     const std::string &split = text_in("split"), &trained_on = text_in("data");
-    if (trained_on != data.fingerprint)
-        refuse("{}: expected the images that {} was trained on (fingerprint {}), or --images all, found "
-               "others ({})",
-               folder, file, trained_on, data.fingerprint);
-    return tactnet::split_data(data.images.labels, data.images.classes.size(), split_rule_of(split), seed,
-                               shares);
+    const auto require = [&](const char* what, const std::string& expected, const std::string& found,
+                             const char* options) {
+        if (expected != found)
+            refuse("{}: expected the {} that {} was trained on (fingerprint {}), or --images all, found "
+                   "others ({}){}",
+                   folder, what, file, expected, found, options);
+    };
+    require("images", trained_on, data.fingerprint, "");
+    if (std::ranges::none_of(split_rule_names, [&](const auto& known) { return known.first == split; }))
+        refuse("{}: metadata 'split': expected a split such as random or grouped, found {}", file,
+               tactnet::in_quotes(split));
+    if (metadata.contains("groups"))
+        require("groups", text_in("groups"), data.groups_fingerprint,
+                "; give --group, --group-folders or --table as in training");
+    if (metadata.contains("given"))
+        require("split", text_in("given"), data.given_fingerprint, "; give --table as in training");
+    if (metadata.contains("folds"))
+        trained.folds = number_in("folds", "a whole number", whole_number_of);
+    return split_for(data, trained, split_rule_for(split, data), seed);
 }

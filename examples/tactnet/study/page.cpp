@@ -49,7 +49,10 @@ column accuracy(std::string title, split_rule rule, const std::string& kind = ""
             }};
 }
 column by_rule(const std::string& title, split_rule rule, const std::string& member) {
-    return percent(title, fmt::format("{}_{}", name_of(rule), member));
+    return {title, [=](const study_row& row) {
+                const double value = 100 * number(row, rule, member);
+                return std::isfinite(value) ? fmt::format("{:.2f}", value) : "";
+            }};
 }
 
 const column method_column{"method", method_title};
@@ -192,34 +195,44 @@ study_picture sizes_picture(const std::vector<study_row>& rows) {
 } // namespace
 
 study_table methods_table(const std::vector<study_row>& rows) {
+    std::vector<column> columns{method_column, size_column, recipe_column};
+    for (const auto& [name, rule] : split_rule_names) {
+        const bool usual = rule == split_rule::random || rule == split_rule::blocked;
+        if (usual || std::ranges::any_of(rows, [&](const study_row& row) {
+                return std::isfinite(number(row, rule, "accuracy"));
+            }))
+            columns.push_back(accuracy(fmt::format("{} splits, %", name), rule));
+        if (rule == split_rule::random)
+            columns.push_back(accuracy("the same, reflections averaged, %", rule, "reflected_"));
+    }
+    for (const column& next :
+         {paper_column, fixed("µs per frame", "microseconds", 1), fixed("p99", "microseconds_p99", 1),
+          fixed("paper, ms", "published_microseconds", 0, 1e-3), count("parameters", "parameters"),
+          count("multiply-adds", "multiply_adds"), fixed("training, s", "training_seconds", 1)})
+        columns.push_back(next);
     return table_of({"methods", "All methods",
                      "Mean ± standard deviation of the accuracy on test images (number of splits)."},
-                    {method_column, size_column, recipe_column,
-                     accuracy("random splits, %", split_rule::random),
-                     accuracy("the same, reflections averaged, %", split_rule::random, "reflected_"),
-                     accuracy("blocked splits, %", split_rule::blocked), paper_column,
-                     fixed("µs per frame", "microseconds", 1), fixed("p99", "microseconds_p99", 1),
-                     fixed("paper, ms", "published_microseconds", 0, 1e-3), count("parameters", "parameters"),
-                     count("multiply-adds", "multiply_adds"), fixed("training, s", "training_seconds", 1)},
-                    rows);
+                    columns, rows);
 }
 
 study_table details_table(const std::vector<study_row>& rows) {
     const split_rule rule = shown_rule(rows);
-    return table_of(
-        {"details", "Details",
-         fmt::format("Accuracies are means over {} splits. In batch: the time of a frame where "
-                     "many pass together. Jitter: p99 ÷ median of a loop in registers that takes "
-                     "as long as the frame; that much of p99 is the machine's.",
-                     name_of(rule))},
-        {method_column, size_column, recipe_column, by_rule("validation, %", rule, "validation_accuracy"),
-         by_rule("training, %", rule, "training_accuracy"), fixed("in batch, µs", "microseconds_in_batch", 1),
-         fixed("jitter", "jitter", 2), count("multiply-adds on pixels", "multiply_adds_on_pixels"),
-         type_column},
-        rows, [](const study_row& row) {
-            return std::ranges::any_of(std::array{"random_accuracy", "blocked_accuracy", "microseconds"},
-                                       [&](const char* name) { return std::isfinite(number(row, name)); });
-        });
+    return table_of({"details", "Details",
+                     fmt::format("Accuracies are means over {} splits. In batch: the time of a frame where "
+                                 "many pass together. Jitter: p99 ÷ median of a loop in registers that takes "
+                                 "as long as the frame; that much of p99 is the machine's.",
+                                 name_of(rule))},
+                    {method_column, size_column, recipe_column,
+                     by_rule("validation, %", rule, "validation_accuracy"),
+                     by_rule("training, %", rule, "training_accuracy"),
+                     fixed("in batch, µs", "microseconds_in_batch", 1), fixed("jitter", "jitter", 2),
+                     count("multiply-adds on pixels", "multiply_adds_on_pixels"), type_column},
+                    rows, [](const study_row& row) {
+                        return std::isfinite(number(row, "microseconds")) ||
+                               std::ranges::any_of(split_rule_names, [&](const auto& known) {
+                                   return std::isfinite(number(row, known.second, "accuracy"));
+                               });
+                    });
 }
 
 study_table probabilities_table(const std::vector<study_row>& rows) {

@@ -14,7 +14,17 @@ namespace {
 using tactnet::split_rule;
 
 std::string member(split_rule rule, std::string_view name) {
-    return fmt::format("{}_{}", name_of(rule), name);
+    std::string text = fmt::format("{}_{}", name_of(rule), name);
+    std::ranges::replace(text, '-', '_');
+    return text;
+}
+
+/// The members of a rule, of which nothing is known.
+void put_rule(study_row& row, split_rule rule) {
+    for (const char* name :
+         {"splits", "splits_wanted", "accuracy", "deviation", "validation_accuracy", "training_accuracy",
+          "reflected_splits", "reflected_accuracy", "reflected_deviation"})
+        row.values[member(rule, name)] = nullptr;
 }
 
 /// The results of a candidate on splits by a rule.
@@ -87,6 +97,7 @@ study_row row_of(const candidate& c, std::size_t bits, const split_plan& plan, c
     nlohmann::ordered_json& values = row.values;
     row.classes = c.data->images.classes;
     for (const split_rule rule : plan.rules) {
+        put_rule(row, rule);
         const auto found = results_of(c, rule, bits, tasks, results);
         if (found.empty())
             continue;
@@ -106,7 +117,8 @@ study_row row_of(const candidate& c, std::size_t bits, const split_plan& plan, c
     row.family = !what.is_network() ? "machines" : what.pretrained() ? "photographs" : "touches";
     const std::string declaration = what.declaration();
     values["declaration"] = declaration;
-    const published_result* const paper = find_published(what.name, what.rows, what.columns);
+    const published_result* const paper =
+        c.data->of_paper() ? find_published(what.name, what.rows, what.columns) : nullptr;
     // For the network as it was published, not for a user's of that name.
     if (paper != nullptr && bits == 32 && (declaration.empty() || declaration.starts_with("tactnet::"))) {
         values["published_accuracy"] = paper->accuracy / 100;
@@ -124,10 +136,7 @@ study_row make_row(const std::string& method, std::size_t rows, std::size_t colu
     study_row row{
         {{"method", method}, {"rows", rows}, {"columns", columns}, {"recipe", recipe}, {"bits", bits}}, {}};
     for (const split_rule rule : {split_rule::random, split_rule::blocked})
-        for (const char* name :
-             {"splits", "splits_wanted", "accuracy", "deviation", "validation_accuracy", "training_accuracy",
-              "reflected_splits", "reflected_accuracy", "reflected_deviation"})
-            row.values[member(rule, name)] = nullptr;
+        put_rule(row, rule);
     for (const char* name :
          {"microseconds", "microseconds_p99", "microseconds_in_batch", "jitter", "training_seconds",
           "parameters", "multiply_adds", "multiply_adds_on_pixels", "bytes", "activation_bytes",
@@ -143,8 +152,8 @@ std::string text(const study_row& row, std::string_view name) {
 }
 
 double number(const study_row& row, std::string_view name) {
-    const auto& value = row.values.at(std::string(name));
-    return value.is_null() ? std::nan("") : value.get<double>();
+    const auto value = row.values.find(std::string(name)); // rules that were not asked for are in no row
+    return value == row.values.end() || value->is_null() ? std::nan("") : value->get<double>();
 }
 
 double number(const study_row& row, split_rule rule, std::string_view name) {
@@ -188,12 +197,11 @@ void put_calibration(study_row& row, const calibration& of) {
 }
 
 split_rule shown_rule(const std::vector<study_row>& rows) {
-    return std::ranges::any_of(rows,
-                               [](const study_row& row) {
-                                   return std::isfinite(number(row, split_rule::random, "accuracy"));
-                               })
-               ? split_rule::random
-               : split_rule::blocked;
+    for (const auto& [name, rule] : split_rule_names)
+        if (std::ranges::any_of(
+                rows, [&](const study_row& row) { return std::isfinite(number(row, rule, "accuracy")); }))
+            return rule;
+    return split_rule::blocked;
 }
 
 std::vector<study_row> pareto_front(const std::vector<study_row>& rows, split_rule rule) {

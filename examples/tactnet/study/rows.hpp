@@ -16,7 +16,7 @@ struct study_row {
     nlohmann::ordered_json values;
     std::string family; ///< in pictures: "touches", "photographs" or "machines"
     std::vector<std::string> classes{};
-    tactnet::confusion_matrix confusion{}; ///< of all random splits, or of the others where there are none
+    tactnet::confusion_matrix confusion{}; ///< of all splits by the first rule that there are results of
     /// Calibration over these splits at the mean temperature; empty for methods without probabilities.
     std::optional<calibration> probabilities{};
 };
@@ -48,7 +48,7 @@ std::vector<study_row> rows_of(const candidate_list& candidates, const split_pla
 /// Puts a calibration into its members.
 void put_calibration(study_row& row, const calibration& of);
 
-/// What pictures show: random splits if there are any, else blocked ones.
+/// What pictures show: the first rule of `split_rule_names` that there are results of.
 tactnet::split_rule shown_rule(const std::vector<study_row>& rows);
 
 /// Rows with all their splits than which no other is both faster and more accurate, the fastest first.
