@@ -21,9 +21,10 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 /// the same class is related more often than by chance, then images of a group are near-duplicates, and a
 /// test that has related images in training is easier than new groups will be.
 struct neighbour_report {
+    /// An image and the nearest of its class.
     struct pair {
-        std::size_t image, nearest; ///< of the same class
-        double distance;            ///< root mean square of the differences, in counts
+        std::size_t image, nearest;
+        double distance; ///< root mean square of the differences, in counts
     };
     std::vector<pair> related;  ///< whose nearest image is related, the nearest first
     std::size_t tested = 0;     ///< images that have others of their class to be compared with
