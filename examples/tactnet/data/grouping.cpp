@@ -5,8 +5,9 @@
 #include "number_options.hpp"
 
 #include <tactnet/io/file_error.hpp>
+#include <tactnet/io/model_description.hpp>
 #include <tactnet/io/read_file.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <fmt/ranges.h>
 

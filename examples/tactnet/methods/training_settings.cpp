@@ -4,7 +4,7 @@
 #include "data/image_data.hpp"
 #include "number_options.hpp"
 
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include "reports/report.hpp"
 
 #include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/text/quoting.hpp>
+#include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <set>
