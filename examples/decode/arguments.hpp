@@ -5,8 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
+#include <program_arguments.hpp>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -52,7 +52,7 @@ inline arguments read_arguments(std::span<const char* const> words) {
         if (only_files || word.size() < 2 || word.front() != '-') {
             if (!result.file.empty())
                 throw usage_error("expected one file, found " + tactnet::in_quotes(word) + " as well");
-            result.file = word;
+            result.file = path_of(word);
         } else if (word == "--") {
             only_files = true;
         } else if (word == "--help" || word == "-h") {
@@ -60,14 +60,14 @@ inline arguments read_arguments(std::span<const char* const> words) {
         } else if (word == "--csv") {
             result.csv = true;
         } else if (word == "--map") {
-            result.map = next(i, "a map behind --map");
+            result.map = path_of(next(i, "a map behind --map"));
         } else if (word == "--picture") {
             const std::string_view number = next(i, "the number of a frame behind --picture");
             result.picture = tactnet::whole_number(number);
             if (!result.picture)
                 throw usage_error("expected the number of a frame behind --picture, found " +
                                   tactnet::in_quotes(number));
-            result.picture_file = next(i, "a file to draw to behind --picture N");
+            result.picture_file = path_of(next(i, "a file to draw to behind --picture N"));
         } else {
             throw usage_error("unknown option " + tactnet::in_quotes(word));
         }

@@ -25,6 +25,7 @@
 #include <exception>
 #include <filesystem>
 #include <optional>
+#include <program_arguments.hpp>
 #include <span>
 #include <stack.hpp>
 #include <standard_output.hpp>
@@ -174,7 +175,8 @@ int main(int count, char** words) {
     require_stack("tactnet_decode");
     ignore_output_signals();
     try {
-        const arguments asked = read_arguments(std::span(words + 1, words + std::max(count, 1)));
+        const program_arguments given(count, words);
+        const arguments asked = read_arguments(given.words());
         if (asked.help) {
             print(usage);
             finish_output();

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <filesystem>
+#include <program_arguments.hpp>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -86,9 +86,9 @@ inline arguments read_arguments(std::span<const char* const> words) {
                                   tactnet::in_quotes(text));
             result.rate = read.value;
         } else if (word == "--sensor") {
-            result.sensor = number_behind(i, "a description of the array");
+            result.sensor = path_of(number_behind(i, "a description of the array"));
         } else if (word == "--save") {
-            result.save = number_behind(i, "a folder");
+            result.save = path_of(number_behind(i, "a folder"));
         } else if (word == "--port") {
             result.port = number_behind(i, "a port");
         } else if (word == "--speed") {
@@ -109,7 +109,7 @@ inline arguments read_arguments(std::span<const char* const> words) {
         } else if (word.size() > 1 && word.front() == '-') {
             throw usage_error("unknown option " + tactnet::in_quotes(word));
         } else if (result.weights.empty()) {
-            result.weights = word;
+            result.weights = path_of(word);
         } else if (!sourced && (word == "own" || word == "recording")) {
             result.from = word == "own" ? arguments::source::own : arguments::source::recording;
             sourced = true;

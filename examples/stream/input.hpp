@@ -9,14 +9,45 @@
 #include <cstring>
 #include <fcntl.h>
 #include <optional>
-#include <poll.h>
 #include <span>
 #include <stdexcept>
 #include <stopwatch.hpp>
 #include <string>
+#include <utility>
+
+#if defined(_WIN32)
+
+#include <io.h>
+
+using speed_t = unsigned;
+inline constexpr std::array<std::pair<unsigned, speed_t>, 1> port_speeds{{{115200, 115200}}};
+
+/// Standard input alone, which says nothing of silence. Ports have an interface of their own on Windows.
+class byte_input {
+public:
+    byte_input(const std::string& port, unsigned) {
+        if (!port.empty())
+            throw std::runtime_error("cannot open " + port + ": on Windows, frames come from standard input");
+    }
+    template <class Say>
+    std::optional<std::span<const std::byte>> read(const Say&) {
+        const int got = ::_read(0, bytes_.data(), static_cast<unsigned>(bytes_.size()));
+        if (got < 0)
+            throw std::runtime_error(std::string("cannot read the stream: ") + std::strerror(errno));
+        if (got == 0)
+            return std::nullopt;
+        return std::span(bytes_).first(static_cast<std::size_t>(got));
+    }
+
+private:
+    std::array<std::byte, 4096> bytes_{};
+};
+
+#else
+
+#include <poll.h>
 #include <termios.h>
 #include <unistd.h>
-#include <utility>
 
 /// The speeds that every Linux knows, in bits per second.
 inline constexpr std::array<std::pair<unsigned, speed_t>, 16> port_speeds{{{9600, B9600},
@@ -132,3 +163,5 @@ private:
     stopwatch since_last_;
     std::array<std::byte, 4096> bytes_{};
 };
+
+#endif

@@ -22,6 +22,7 @@
 #endif
 #include <exception>
 #include <optional>
+#include <program_arguments.hpp>
 #include <span>
 #include <stack.hpp>
 #include <standard_output.hpp>
@@ -190,11 +191,12 @@ bool run(const arguments& given) {
         if (!weights)
             says.rows = sensor.frame_rows(), says.columns = sensor.frame_columns();
     }
-    const compiled_reader network = reader_for(says, (weights ? given.weights : given.sensor).string());
+    const compiled_reader network =
+        reader_for(says, tactnet::file_name(weights ? given.weights : given.sensor).string());
     if (!scale)
         sensor = {.rows = network.input.rows, .columns = network.input.columns};
     if (const tactnet::shape array{sensor.frame_rows(), sensor.frame_columns()}; array != network.input)
-        throw tactnet::file_error(given.sensor.string(), "",
+        throw tactnet::file_error(tactnet::file_name(given.sensor).string(), "",
                                   "an array of " + size_text(network.input) + ", as the network",
                                   size_text(array));
     const auto reader = network.make(weights ? &*weights : nullptr, given.frames_of_air, scale);
@@ -220,8 +222,8 @@ int main(int count, char** words) {
     require_stack("tactnet_stream");
     ignore_output_signals();
     try {
-        const arguments given =
-            read_arguments(std::span<const char* const>(words, static_cast<std::size_t>(count)).subspan(1));
+        const program_arguments asked(count, words);
+        const arguments given = read_arguments(asked.words());
         if (given.help) {
             print(usage + ("Compiled in: " + list_of_readers() + ".\n"));
             finish_output();
