@@ -11,6 +11,7 @@
 #include <support/allocations.hpp>
 #include <support/tolerance.hpp>
 #include <utility>
+#include <vector>
 
 using namespace tactnet;
 using namespace features_test;
