@@ -15,7 +15,7 @@
 /// What the user asks for.
 struct arguments {
     std::filesystem::path file;
-    std::filesystem::path map; ///< empty: none
+    std::filesystem::path map, sensor; ///< empty: none
     bool help = false;
     bool csv = false;
     std::optional<std::uint64_t> picture; ///< the number of the frame to draw
@@ -23,12 +23,15 @@ struct arguments {
 };
 
 inline constexpr const char* usage =
-    "usage: tactnet_decode [--csv | --picture N OUT.png] [--map FILE.mp] FILE\n"
+    "usage: tactnet_decode [--csv | --picture N OUT.png] [--map FILE.mp | --sensor FILE.json] FILE\n"
     "\n"
-    "Prints what is in a Tekscan recording (.csv, .asf, .fsx) or map (.mp); its content tells which.\n"
+    "Prints what is in a recording of Tekscan (.csv, .asf, .fsx), XSENSOR (.csv) or novel (.asc), a map "
+    "(.mp), or\n"
+    "frames as NPY, NPZ, PGM or PNG; its content tells which.\n"
     "  --csv               every frame: a line frame,NUMBER,SECONDS and its rows, with B where no tactel is\n"
     "  --picture N OUT.png draws the frame with the number N\n"
     "  --map FILE.mp       the map of the sensor, which says which cells have a tactel: .fsx does not tell\n"
+    "  --sensor FILE.json  the array is as a description says: its packets or lines, its counts in any file\n"
     "Standard error has warnings of what no real writer makes, and of a damaged recording how many of the "
     "first\n"
     "frames are certain.\n";
@@ -61,6 +64,8 @@ inline arguments read_arguments(std::span<const char* const> words) {
             result.csv = true;
         } else if (word == "--map") {
             result.map = path_of(next(i, "a map behind --map"));
+        } else if (word == "--sensor") {
+            result.sensor = path_of(next(i, "a description behind --sensor"));
         } else if (word == "--picture") {
             const std::string_view number = next(i, "the number of a frame behind --picture");
             result.picture = tactnet::whole_number(number);
@@ -74,6 +79,8 @@ inline arguments read_arguments(std::span<const char* const> words) {
     }
     if (result.csv && result.picture)
         throw usage_error("expected --csv or --picture, found both");
+    if (!result.map.empty() && !result.sensor.empty())
+        throw usage_error("expected --map or --sensor, found both");
     if (result.file.empty() && !result.help)
         throw usage_error("expected a file");
     return result;

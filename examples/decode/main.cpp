@@ -7,11 +7,13 @@
 #include "arguments.hpp"
 #if defined(TACTNET_DECODE_DRAWS)
 #include <decode_image.hpp>
+#include <recording_file.hpp>
 #endif
 
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/sensors/any_recording.hpp>
+#include <tactnet/sensors/described/description_file.hpp>
 #include <tactnet/sensors/recording.hpp>
 #include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/sensors/warning.hpp>
@@ -76,7 +78,9 @@ void print_summary(const tactnet::recording_description& description, const span
 void print_frame(const tactnet::frame_view& frame, const tactnet::recording_description& description) {
     std::string text = "frame," + std::to_string(frame.number) + "," + seconds_text(frame.seconds) + "\n";
     for (std::size_t i = 0; i < frame.cells.size(); ++i) {
-        text += description.exists(i) ? tactnet::shortest_text(frame.cells[i]) : "B";
+        text += std::isnan(frame.cells[i]) ? "nan"
+                : description.exists(i)    ? tactnet::shortest_text(frame.cells[i])
+                                           : "B";
         text += (i + 1) % frame.columns == 0 ? '\n' : ',';
     }
     print(text);
@@ -84,20 +88,31 @@ void print_frame(const tactnet::frame_view& frame, const tactnet::recording_desc
 
 #if defined(TACTNET_DECODE_DRAWS)
 /// Draws a frame as a PNG file, eight pixels per tactel: counts up to 255 unchanged, anything else so that
-/// the largest cell is white. Throws tactnet::file_error.
+/// the largest cell is white; broken cells are black. Throws tactnet::file_error.
 void draw(const std::filesystem::path& path, const tactnet::frame_view& frame, tactnet::pressure_unit unit) {
     constexpr std::size_t side = 8;
-    const float largest = *std::max_element(frame.cells.begin(), frame.cells.end());
+    float largest = 0;
+    for (const float cell : frame.cells)
+        largest = std::max(largest, cell); // never NaN
     const bool counts = unit == tactnet::pressure_unit::raw && largest <= 255;
     const float scale = counts || largest == 0 ? 1 : 255 / largest;
     std::vector<std::uint8_t> pixels;
     pixels.reserve(frame.cells.size() * side * side);
     for (std::size_t y = 0; y < frame.rows * side; ++y)
         for (std::size_t x = 0; x < frame.columns * side; ++x)
-            pixels.push_back(static_cast<std::uint8_t>(std::lround(frame(y / side, x / side) * scale)));
+            if (const float cell = frame(y / side, x / side); std::isnan(cell))
+                pixels.push_back(0);
+            else
+                pixels.push_back(static_cast<std::uint8_t>(std::lround(cell * scale)));
     write_png(path, frame.rows * side, frame.columns * side, pixels);
 }
+std::vector<std::byte> read_bytes(const std::filesystem::path& path) {
+    return read_recording_file(path);
+}
 #else
+std::vector<std::byte> read_bytes(const std::filesystem::path& path) {
+    return tactnet::read_file(path);
+}
 void draw(const std::filesystem::path&, const tactnet::frame_view&, tactnet::pressure_unit) {
     throw usage_error("this program was built without PNG, which --picture needs");
 }
@@ -135,8 +150,10 @@ void print_certain(const arguments& asked, std::uint64_t certain, std::uint64_t 
 
 void decode(const arguments& asked) {
     const std::vector<std::uint8_t> mask = read_mask(asked.map);
-    const std::vector<std::byte> bytes = tactnet::read_file(asked.file);
-    tactnet::any_recording decoder(mask);
+    const std::vector<std::byte> bytes = read_bytes(asked.file);
+    tactnet::any_recording decoder = asked.sensor.empty()
+                                         ? tactnet::any_recording(mask)
+                                         : tactnet::any_recording(tactnet::read_sensor(asked.sensor));
     span_of_time time;
     bool drawn = false;
     const auto take = [&](const tactnet::frame_view& frame) {

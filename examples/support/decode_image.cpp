@@ -32,12 +32,13 @@ using tactnet::grey_image;
 
 constexpr std::size_t largest_file = std::size_t{256} << 20;
 
-/// A decoded image before it is known to be grey: `channels` bytes a pixel, interleaved; 1 grey, 2 grey and
-/// alpha, 3 colour, 4 colour and alpha.
+/// A decoded image before it is known to be grey: `channels` values a pixel, interleaved; 1 grey, 2 grey and
+/// alpha, 3 colour, 4 colour and alpha. A value has a byte, or two with the higher one first.
 struct raster {
     std::size_t rows = 0;
     std::size_t columns = 0;
     std::size_t channels = 0;
+    std::size_t bytes = 1; ///< of a value
     std::vector<std::uint8_t> values;
 
     // True when the size is acceptable; the memory is then there.
@@ -47,7 +48,7 @@ struct raster {
         channels = components;
         if (rows == 0 || columns == 0 || rows > largest_image_side || columns > largest_image_side)
             return false;
-        values.resize(rows * columns * channels);
+        values.resize(rows * columns * channels * bytes);
         return true;
     }
 };
@@ -55,7 +56,7 @@ struct raster {
 /// What went wrong. The decoders' own errors leave by longjmp, which must not pass over C++ objects, so
 /// nothing is thrown or put into words before they have returned.
 struct failure {
-    enum class reason { damaged, channels, depth, size, orientation };
+    enum class reason { damaged, channels, size, orientation };
 
     reason why = reason::damaged;
     unsigned orientation = 1; ///< by EXIF; upright
@@ -222,15 +223,14 @@ bool decode_png(png_decoder& decoder, raster& image, failure& result) {
     // Checksums that do not match are errors in every chunk that pixels depend on.
     png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_WARN_DISCARD);
     png_read_info(png, info);
-    if (png_get_bit_depth(png, info) == 16)
-        return result.set(failure::reason::depth);
+    image.bytes = png_get_bit_depth(png, info) == 16 ? 2 : 1;
     png_uint_32 exif_size = 0;
     png_bytep exif = nullptr;
     if (png_get_eXIf_1(png, info, &exif_size, &exif) != 0)
         result.orientation = exif_orientation({exif, exif_size});
     if (result.orientation != 1)
         return result.set(failure::reason::orientation);
-    // Palettes, few bits and transparent colours become plain 8-bit channels; no gamma is applied.
+    // Palettes, few bits and transparent colours become plain channels of 8 or 16 bits; no gamma is applied.
     png_set_expand(png);
     static_cast<void>(png_set_interlace_handling(png));
     png_read_update_info(png, info);
@@ -239,28 +239,35 @@ bool decode_png(png_decoder& decoder, raster& image, failure& result) {
         return result.set(failure::reason::size);
     decoder.rows.resize(image.rows);
     for (std::size_t row = 0; row < image.rows; ++row)
-        decoder.rows[row] = image.values.data() + row * image.columns * image.channels;
+        decoder.rows[row] = image.values.data() + row * image.columns * image.channels * image.bytes;
     png_read_image(png, decoder.rows.data());
     png_read_end(png, nullptr);
     return true;
 }
 
-grey_image to_grey(const std::string& file, const raster& image) {
-    grey_image grey{image.rows, image.columns, std::vector<std::uint8_t>(image.rows * image.columns)};
+grey_counts to_grey(const std::string& file, const raster& image) {
+    const unsigned largest = image.bytes == 1 ? 0xFF : 0xFFFF;
+    grey_counts grey{image.rows, image.columns, static_cast<std::uint16_t>(largest),
+                     std::vector<std::uint16_t>(image.rows * image.columns)};
     for (std::size_t i = 0; i < grey.pixels.size(); ++i) {
-        const std::uint8_t* value = image.values.data() + i * image.channels;
+        const auto value = [&](std::size_t channel) {
+            const std::uint8_t* const bytes =
+                image.values.data() + (i * image.channels + channel) * image.bytes;
+            return image.bytes == 1 ? unsigned{bytes[0]} : unsigned{bytes[0]} << 8U | bytes[1];
+        };
         const auto place = [&] {
             return "pixel in row " + std::to_string(i / image.columns) + ", column " +
                    std::to_string(i % image.columns);
         };
-        if (image.channels >= 3 && (value[0] != value[1] || value[0] != value[2]))
+        if (image.channels >= 3 && (value(0) != value(1) || value(0) != value(2)))
             throw file_error(file, place(), "a grey image",
-                             "red " + std::to_string(value[0]) + ", green " + std::to_string(value[1]) +
-                                 ", blue " + std::to_string(value[2]));
-        if (image.channels % 2 == 0 && value[image.channels - 1] != 255)
+                             "red " + std::to_string(value(0)) + ", green " + std::to_string(value(1)) +
+                                 ", blue " + std::to_string(value(2)));
+        if (image.channels % 2 == 0 && value(image.channels - 1) != largest)
             throw file_error(file, place(), "an opaque image",
-                             "alpha " + std::to_string(value[image.channels - 1]) + " of 255");
-        grey.pixels[i] = value[0];
+                             "alpha " + std::to_string(value(image.channels - 1)) + " of " +
+                                 std::to_string(largest));
+        grey.pixels[i] = static_cast<std::uint16_t>(value(0));
     }
     return grey;
 }
@@ -271,8 +278,6 @@ grey_image to_grey(const std::string& file, const raster& image) {
     case failure::reason::channels:
         throw file_error(file, kind, "one grey channel, or red, green and blue",
                          std::to_string(image.channels) + " channels");
-    case failure::reason::depth:
-        throw file_error(file, kind, "8 bits per channel", "16");
     case failure::reason::size:
         throw file_error(
             file, kind, "1 to " + std::to_string(largest_image_side) + " rows and as many columns",
@@ -295,7 +300,7 @@ bool starts_with(const std::vector<std::byte>& bytes, std::string_view magic) {
 
 // NOLINTEND(cert-err52-cpp)
 
-grey_image decode_image(const std::filesystem::path& path) {
+grey_counts decode_counts(const std::filesystem::path& path) {
     const std::string file = path.string();
     const std::vector<std::byte> bytes = tactnet::read_file(path, largest_file);
     if (bytes.empty())
@@ -321,6 +326,13 @@ grey_image decode_image(const std::filesystem::path& path) {
     if (!decoded)
         fail(file, is_jpeg ? "JPEG data" : "PNG data", image, result);
     return to_grey(file, image);
+}
+
+grey_image decode_image(const std::filesystem::path& path) {
+    const grey_counts counts = decode_counts(path);
+    if (counts.largest > 255)
+        throw file_error(path.string(), "PNG data", "8 bits per channel", "16");
+    return {counts.rows, counts.columns, {counts.pixels.begin(), counts.pixels.end()}};
 }
 
 void write_png(const std::filesystem::path& path, std::size_t rows, std::size_t columns,

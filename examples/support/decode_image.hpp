@@ -1,8 +1,8 @@
 #pragma once
 
 // Turns JPEG and PNG files into the grey values that the networks are trained on, and grey values into PNG
-// files. Strict on purpose: a pressure image has 8 bits a tactel, and a value that a decoder has guessed (a
-// damaged file), rescaled (16 bits) or mixed (colours) is a wrong pressure that would go unnoticed.
+// files. Strict on purpose: a value that a decoder has guessed (a damaged file), rescaled (16 bits) or mixed
+// (colours) is a wrong pressure that would go unnoticed.
 
 #include <tactnet/io/images/set.hpp>
 
@@ -10,14 +10,25 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <vector>
 
 /// The longest side of an image that is accepted, so that a few hostile bytes cannot ask for all memory.
 inline constexpr std::size_t largest_image_side = 8192;
 
+/// Grey values as the file has them.
+struct grey_counts {
+    std::size_t rows = 0, columns = 0;
+    std::uint16_t largest = 255; ///< that the file can hold: 65535 of 16 bits
+    std::vector<std::uint16_t> pixels{};
+};
+
 /// Decodes a JPEG or PNG file; the content decides which, not the name. Colour is accepted where red, green
 /// and blue are equal, an alpha channel where it is opaque, 1, 2 and 4 bits and palettes where they stand for
-/// such greys. Throws tactnet::file_error for everything else: 16 bits, colours, an orientation in EXIF
-/// data that viewers turn the image by, and damage, even where a decoder would go on.
+/// such greys. Throws tactnet::file_error for everything else: colours, an orientation in EXIF data that
+/// viewers turn the image by, and damage, even where a decoder would go on.
+grey_counts decode_counts(const std::filesystem::path& path);
+
+/// The same of 8 bits; also throws for 16.
 tactnet::grey_image decode_image(const std::filesystem::path& path);
 
 /// Writes 8-bit grey values, row-major, as a PNG file, all or nothing.

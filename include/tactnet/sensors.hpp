@@ -8,6 +8,8 @@
 #include <tactnet/sensors/described/description_file.hpp>
 #include <tactnet/sensors/described/guess.hpp>
 #include <tactnet/sensors/described/matrix_stream.hpp>
+#include <tactnet/sensors/described/npy.hpp>
+#include <tactnet/sensors/described/pgm.hpp>
 #include <tactnet/sensors/described/text_stream.hpp>
 #include <tactnet/sensors/frame.hpp>
 #include <tactnet/sensors/novel.hpp>

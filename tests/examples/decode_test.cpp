@@ -108,6 +108,20 @@ TEST_SUITE("decode") {
         CHECK(counted.error.find(": 4 more warnings\n") != std::string::npos);
     }
 
+    TEST_CASE("decode: any array by its description") {
+        using namespace std::string_literals;
+        const recording_file lines("300,7,299\n299,298,65535\n"), other("5;6\n");
+        const std::string json = (lines / "mat.json").string();
+        tactnet::write_file(json, std::string(R"({"rows": 1, "columns": 3, "cell": "digits", "offset": 300,)"
+                                              R"( "inverted": true, "broken": [65535]})"));
+        const auto result = run_program(program + " --csv --sensor " + json + lines.quoted());
+        CHECK(result.status == 0);
+        CHECK(result.out == "frame,1,\n0,293,1\nframe,2,\n1,2,nan\n");
+        refuses(program + " --sensor " + json + other.quoted(),
+                "line 1, frame 1: expected 3 numbers, found 2");
+        refuses(program + " --sensor " + json + " --map " + json + lines.quoted(), "found both");
+    }
+
     TEST_CASE("decode: pictures") {
         const recording_file file(recording);
         const auto picture = (file / "out.png").string();

@@ -2,16 +2,14 @@
 
 #include "commands/commands.hpp"
 
-#include <tactnet/io/read_file.hpp>
 #include <tactnet/sensors/any_recording.hpp>
 #include <tactnet/sensors/described/description_file.hpp>
 #include <tactnet/sensors/described/guess.hpp>
-#include <tactnet/sensors/described/matrix_stream.hpp>
-#include <tactnet/sensors/described/text_stream.hpp>
 #include <tactnet/sensors/recording.hpp>
 #include <tactnet/sensors/tekscan/equilibration.hpp>
 
 #include <cmath>
+#include <recording_file.hpp>
 
 namespace {
 
@@ -45,17 +43,11 @@ void print_frames(const tactnet::recording& all) {
               "under pressure\n");
 }
 
-tactnet::recording read_described(const tactnet::sensor_description& sensor,
-                                  std::span<const std::byte> bytes) {
-    return sensor.cell == tactnet::cell_type::digits
-               ? tactnet::decode_all(tactnet::text_stream(sensor), bytes)
-               : tactnet::decode_all(tactnet::matrix_stream(sensor), bytes);
-}
-
 int look_at(const std::filesystem::path& file, const std::filesystem::path& sensor) {
-    const std::vector<std::byte> bytes = tactnet::read_file(file);
+    const std::vector<std::byte> bytes = read_recording_file(file);
     if (!sensor.empty()) {
-        const tactnet::recording all = read_described(tactnet::read_sensor(sensor), bytes);
+        const tactnet::recording all =
+            tactnet::decode_all(tactnet::any_recording(tactnet::read_sensor(sensor)), bytes);
         print_frames(all);
         return all.damage ? bad_input : success;
     }
@@ -77,7 +69,7 @@ int look_at(const std::filesystem::path& file, const std::filesystem::path& sens
              printable(file.string()));
         return bad_input;
     }
-    print_frames(read_described(*guess, bytes));
+    print_frames(tactnet::decode_all(tactnet::any_recording(*guess), bytes));
     print(fmt::format("a description to start from; check rows, columns and the order of the cells:\n{}\n",
                       tactnet::sensor_json(*guess)));
     return success;

@@ -1,6 +1,10 @@
 #pragma once
 
 #include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/described/matrix_stream.hpp>
+#include <tactnet/sensors/described/npy.hpp>
+#include <tactnet/sensors/described/pgm.hpp>
+#include <tactnet/sensors/described/text_stream.hpp>
 #include <tactnet/sensors/novel.hpp>
 #include <tactnet/sensors/tekscan/ascii.hpp>
 #include <tactnet/sensors/tekscan/binary.hpp>
@@ -10,8 +14,10 @@
 #include <tactnet/sensors/xsensor.hpp>
 
 #include <algorithm>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -55,13 +61,19 @@ private:
 
 } // namespace detail
 
-/// Decodes any of Tekscan's formats, which is known by the end of the header, novel's ASCII or XSENSOR's CSV.
+/// Decodes any of Tekscan's formats, which is known by the end of the header, novel's ASCII, XSENSOR's CSV,
+/// NPY or PGM; with a description, NPY, PGM, or the packets or lines that it describes.
 ///
 /// Memory: that of the format, and one more header.
 class any_recording {
 public:
     /// The mask is used for binary recordings: see tekscan_binary.
     explicit any_recording(std::vector<std::uint8_t> mask = {}) : mask_(std::move(mask)) {}
+    /// Throws std::invalid_argument for a description that cannot be.
+    template <std::same_as<sensor_description> Sensor>
+    explicit any_recording(Sensor sensor) : sensor_(std::move(sensor)) {
+        require_valid(*sensor_);
+    }
 
     template <class Sink>
     decode_status push(std::span<const std::byte> bytes, Sink&& sink) {
@@ -79,7 +91,9 @@ public:
     template <class Sink>
     decode_status finish(Sink&& sink) {
         if (!known_) {
-            if (line_ > 0 && begun_text().substr(line_).starts_with("\xBB\xBA"))
+            if (sensor_)
+                recognise_described();
+            else if (line_ > 0 && begun_text().substr(line_).starts_with("\xBB\xBA"))
                 found<tekscan_binary>(std::move(mask_));
             else
                 recognise_line(begun_text().substr(line_));
@@ -106,6 +120,8 @@ private:
     /// Returns whether a line that ends a header has come.
     bool recognise() {
         const std::string_view text = begun_text();
+        if (sensor_)
+            return text.size() >= npy_array::magic.size() && recognise_described();
         while (true) {
             if (line_ > 0 && text.substr(line_).starts_with("\xBB\xBA")) {
                 if (text.size() < line_ + 6)
@@ -126,7 +142,22 @@ private:
         return false;
     }
 
+    bool recognise_described() {
+        const std::string_view text = begun_text();
+        return text.starts_with(npy_array::magic)   ? found<npy_array>(*sensor_)
+               : is_pgm(text)                       ? found<pgm_images>(*sensor_)
+               : sensor_->cell == cell_type::digits ? found<text_stream>(*sensor_)
+                                                    : found<matrix_stream>(*sensor_);
+    }
+    static bool is_pgm(std::string_view text) {
+        return text.starts_with("P5") && std::string_view(" \t\r\n#").find(text.substr(2, 1)) < 5;
+    }
+
     bool recognise_line(std::string_view line) {
+        if (line_ == 0 && line.starts_with(npy_array::magic))
+            return found<npy_array>();
+        if (line_ == 0 && is_pgm(line))
+            return found<pgm_images>();
         while (line.ends_with('\r'))
             line.remove_suffix(1);
         constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
@@ -164,9 +195,10 @@ private:
     }
 
     std::variant<detail::unknown_recording, tekscan_ascii, tekscan_binary, tekscan_map, novel_ascii,
-                 xsensor_csv>
+                 xsensor_csv, npy_array, pgm_images, text_stream, matrix_stream>
         decoder_;
     std::vector<std::uint8_t> mask_;
+    std::optional<sensor_description> sensor_;
     std::vector<std::byte> begun_;
     std::size_t line_ = 0;     ///< the start of the first line without an end
     std::size_t searched_ = 0; ///< the end of the bytes searched for it

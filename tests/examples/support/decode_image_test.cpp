@@ -15,6 +15,7 @@
 #include <functional>
 #include <jpeglib.h>
 #include <png.h>
+#include <recording_file.hpp>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -284,12 +285,70 @@ TEST_SUITE("examples/decode_image") {
               "pixel in row 0, column 2: expected a grey image, found red 1, green 2, blue 3");
     }
 
+    TEST_CASE("decode_counts: 16 bits as they are") {
+        const support::temporary_folder folder;
+        for (const int interlace : {PNG_INTERLACE_NONE, PNG_INTERLACE_ADAM7}) {
+            const samples file = make_png(1, 3, 16, PNG_COLOR_TYPE_GRAY_ALPHA,
+                                          {0, 0, 255, 255, 8, 0, 255, 255, 16, 1, 255, 255}, {}, interlace);
+            tactnet::write_file(folder / "deep", std::as_bytes(std::span(file)));
+            const grey_counts counts = decode_counts(folder / "deep");
+            CHECK(counts.largest == 65535);
+            CHECK(counts.pixels == std::vector<std::uint16_t>{0, 2048, 4097});
+        }
+    }
+
+    TEST_CASE("read_recording_file: archives of NumPy, images, other bytes; damage") {
+        // A plain array of one dimension, which is left out, and a deflated one of two frames.
+        constexpr std::string_view hexadecimal =
+            "504b030414000000000000002100116268854500000045000000010000006c934e554d505901003a007b27646573"
+            "6372273a20277c7531272c2027666f727472616e5f6f72646572273a2046616c73652c20277368617065273a2028"
+            "312c292c207d0a00504b030414000000080000002100a14abaff4a0000004d00000001000000619bec17ea1b10c9"
+            "c860cf50ad9e925a9c5ca46ea5a05e536aa8aea3a09e965f54529498179f5f94920a12774bcc294e058a17672416"
+            "a402f91a463a0a863a0a469a3a0ab55c8c4ccc2c00504b0102140314000000000000002100116268854500000045"
+            "0000000100000000000000000000008001000000006c504b0102140314000000080000002100a14abaff4a000000"
+            "4d00000001000000000000000000000080016400000061504b050600000000020002005e000000cd0000000000";
+        std::string archive;
+        for (std::size_t i = 0; i < hexadecimal.size(); i += 2)
+            archive += static_cast<char>(std::stoi(std::string(hexadecimal.substr(i, 2)), nullptr, 16));
+        const support::temporary_folder folder;
+        const auto read = [&](const std::string& bytes) {
+            tactnet::write_file(folder / "file", bytes);
+            const auto found = read_recording_file(folder / "file");
+            return std::string(reinterpret_cast<const char*>(found.data()), found.size());
+        };
+        const std::string array = read(archive);
+        CHECK(array.starts_with("\x93NUMPY"));
+        CHECK(array.ends_with("(2, 1, 2), }\n\1\2\3\4"));
+        CHECK(read("any bytes") == "any bytes");
+        const samples image = make_png(2, 1, 16, PNG_COLOR_TYPE_GRAY, {1, 2, 3, 4});
+        CHECK(read({image.begin(), image.end()}) == "P5 1 2 65535\n\1\2\3\4");
+        std::size_t refused = 0;
+        const auto refuses = [&](const std::string& bytes) {
+            try {
+                const bool same = read(bytes) == array || !bytes.starts_with("PK\3\4");
+                CHECK(same);
+            } catch (const file_error& error) {
+                refused += !error.expected().empty() && !error.found().empty();
+            }
+        };
+        for (std::size_t at = 0; at < archive.size(); ++at) {
+            refuses(archive.substr(0, at));
+            for (const int flip : {1, 0x55, 0xFF}) {
+                std::string damaged = archive;
+                damaged[at] = static_cast<char>(damaged[at] ^ flip);
+                refuses(damaged);
+            }
+        }
+        CHECK(refused > 2 * archive.size());
+    }
+
     TEST_CASE("decode_image: PNG that is not an opaque image of 8-bit greys") {
         decoder decode;
-        CHECK(decode.error(make_png(2, 2, 16, PNG_COLOR_TYPE_GRAY, samples(8))) ==
-              "PNG data: expected 8 bits per channel, found 16");
-        CHECK(decode.error(make_png(2, 2, 16, PNG_COLOR_TYPE_RGB, samples(24))) ==
-              "PNG data: expected 8 bits per channel, found 16");
+        for (const int colour : {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_RGB})
+            CHECK(decode.error(make_png(2, 2, 16, colour, samples(colour == PNG_COLOR_TYPE_RGB ? 24 : 8))) ==
+                  "PNG data: expected 8 bits per channel, found 16");
+        CHECK(decode.error(make_png(1, 1, 16, PNG_COLOR_TYPE_RGB, {1, 2, 1, 2, 1, 3})) ==
+              "pixel in row 0, column 0: expected a grey image, found red 258, green 258, blue 259");
         CHECK(decode.error(make_png(2, 2, 8, PNG_COLOR_TYPE_RGB, {1, 1, 1, 2, 2, 2, 3, 4, 3, 5, 5, 5})) ==
               "pixel in row 1, column 0: expected a grey image, found red 3, green 4, blue 3");
         CHECK(decode.error(make_png(1, 2, 8, PNG_COLOR_TYPE_GRAY_ALPHA, {9, 255, 9, 254})) ==

@@ -47,7 +47,7 @@ TEST_CASE("description: what cannot be is a sentence with the field, expected an
           "mat.json: field 'columns': expected 1 to 1048576 cells, found 2 x 0");
     CHECK(sentence(R"({"rows": 2, "columns": 2, "cell": "uint7"})") ==
           "mat.json: field 'cell': expected one of 'uint8', 'int8', 'uint16', 'int16', 'uint32', 'int32', "
-          "'float32', 'digits', found 'uint7'");
+          "'uint64', 'int64', 'float32', 'float64', 'digits', found 'uint7'");
     CHECK(sentence(R"({"rows": 2, "columns": 2, "marker": "AA 5"})") ==
           "mat.json: field 'marker': expected two hexadecimal digits for each byte, found 'AA 5'");
     CHECK(sentence(R"({"rows": 2, "columns": 3, "blocks": "side by side"})") ==

@@ -139,8 +139,14 @@ private:
             return of<std::uint32_t>(swap);
         case cell_type::int32:
             return of<std::int32_t>(swap);
+        case cell_type::uint64:
+            return of<std::uint64_t>(swap);
+        case cell_type::int64:
+            return of<std::int64_t>(swap);
         case cell_type::float32:
-            return swap ? &cell_reader::read_checked<float, true> : &cell_reader::read_checked<float, false>;
+            return of<float>(swap);
+        case cell_type::float64:
+            return of<double>(swap);
         case cell_type::digits:
             break;
         }
@@ -148,19 +154,25 @@ private:
     }
     template <class Cell>
     static reader of(bool swap) noexcept {
-        return swap ? &cell_reader::read_integers<Cell, true> : &cell_reader::read_integers<Cell, false>;
+        if constexpr (std::is_floating_point_v<Cell>)
+            return swap ? &cell_reader::read_checked<Cell, true> : &cell_reader::read_checked<Cell, false>;
+        else
+            return swap ? &cell_reader::read_integers<Cell, true> : &cell_reader::read_integers<Cell, false>;
     }
 
     template <class Cell, bool Swap>
     static Cell load(const std::byte* from, std::size_t i) noexcept {
+        using word = std::conditional_t<sizeof(Cell) == 4, std::uint32_t, std::uint64_t>;
         using bits = std::conditional_t<sizeof(Cell) == 1, std::uint8_t,
-                                        std::conditional_t<sizeof(Cell) == 2, std::uint16_t, std::uint32_t>>;
+                                        std::conditional_t<sizeof(Cell) == 2, std::uint16_t, word>>;
         bits value;
         std::memcpy(&value, from + i * sizeof(Cell), sizeof(Cell));
         if constexpr (Swap && sizeof(Cell) == 2)
             value = static_cast<bits>(value << 8U | value >> 8U);
         else if constexpr (Swap && sizeof(Cell) == 4)
-            value = value << 24U | (value & 0xFF00U) << 8U | (value >> 8U & 0xFF00U) | value >> 24U;
+            value = __builtin_bswap32(value);
+        else if constexpr (Swap && sizeof(Cell) == 8)
+            value = __builtin_bswap64(value);
         return detail::bits_as<Cell>(value);
     }
 

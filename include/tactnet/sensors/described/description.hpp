@@ -4,6 +4,7 @@
 #include <tactnet/text/message.hpp>
 #include <tactnet/text/numbers.hpp>
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -23,7 +24,19 @@
 namespace tactnet { inline namespace TACTNET_ARCH {
 
 /// The encoding of a cell. Digits are numbers in a text, with or without a fraction.
-enum class cell_type : std::uint8_t { uint8, int8, uint16, int16, uint32, int32, float32, digits };
+enum class cell_type : std::uint8_t {
+    uint8,
+    int8,
+    uint16,
+    int16,
+    uint32,
+    int32,
+    uint64,
+    int64,
+    float32,
+    float64,
+    digits
+};
 /// The byte that comes first.
 enum class byte_order : std::uint8_t { little, big };
 /// The order in which a device scans its cells: row by row or column by column.
@@ -108,11 +121,8 @@ struct sensor_description {
     [[nodiscard]] std::size_t frame_columns() const noexcept { return swaps_axes() ? rows : columns; }
     /// Bytes of a cell; 0 of digits.
     [[nodiscard]] std::size_t cell_size() const noexcept {
-        using enum cell_type;
-        return cell == digits                    ? 0
-               : cell == uint8 || cell == int8   ? 1
-               : cell == uint16 || cell == int16 ? 2
-                                                 : 4;
+        constexpr std::array<std::size_t, 11> sizes{1, 1, 2, 2, 4, 4, 8, 8, 4, 8, 0};
+        return sizes[static_cast<std::size_t>(cell)];
     }
     [[nodiscard]] std::size_t packet_bytes() const noexcept {
         return marker.size() + header_bytes + cells() * cell_size() + trailer_bytes + checksum.bytes() +

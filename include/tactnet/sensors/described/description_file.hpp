@@ -35,8 +35,8 @@ namespace detail {
 /// The words of an enumeration in a file, in the order of its values.
 template <class Enum>
 inline constexpr std::span<const std::string_view> words_of{};
-inline constexpr std::array<std::string_view, 8> cell_type_words{"uint8",  "int8",  "uint16",  "int16",
-                                                                 "uint32", "int32", "float32", "digits"};
+inline constexpr std::array<std::string_view, 11> cell_type_words{
+    "uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64", "digits"};
 inline constexpr std::array<std::string_view, 2> byte_order_words{"little", "big"};
 inline constexpr std::array<std::string_view, 2> cell_order_words{"rows", "columns"};
 inline constexpr std::array<std::string_view, 3> block_order_words{"one", "side by side", "stacked"};

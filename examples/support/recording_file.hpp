@@ -1,0 +1,12 @@
+#pragma once
+
+// Files of recordings that need zlib or libpng, as the bytes of formats that decoders read.
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+/// The bytes of a file: of NPZ, as numpy.savez and savez_compressed write it, those of its arrays of two or
+/// three dimensions as NPY, one after the other; of PNG and JPEG, a PGM image; of anything else, its own.
+/// Throws tactnet::file_error, also for a damaged archive or image.
+std::vector<std::byte> read_recording_file(const std::filesystem::path& path);
