@@ -3,10 +3,13 @@
 #include "commands/commands.hpp"
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
+#include "reports/classes.hpp"
 #include "reports/pictures.hpp"
 #include "study/page.hpp"
 
+#include <tactnet/io/write_file.hpp>
 #include <tactnet/svm/feature_rows.hpp>
+#include <tactnet/training/intervals.hpp>
 
 #include <cmath>
 
@@ -93,6 +96,50 @@ void report(const evaluate_options& o, const candidate_list& candidates, const s
     print("accuracy: test images, mean ± standard deviation (splits); µs: this machine, one core\n");
 }
 
+/// The accuracy of each method with its interval, and the difference of each to the first, on the same
+/// splits.
+void report_intervals(const candidate_list& candidates, const split_plan& plan,
+                      const std::vector<task>& tasks, const result_list& results) {
+    table_cells cells{{"method", "tactels", "splits", "accuracy, %", "95 % interval", "balanced, %",
+                       "to the first, points", "95 % interval", "by chance"}};
+    for (const tactnet::split_rule rule : plan.rules) {
+        std::vector<double> first;
+        for (const candidate& c : candidates) {
+            std::vector<double> accuracies;
+            tactnet::confusion_matrix all(c.data->images.classes.size());
+            for (const task& t : tasks)
+                if (const training_result* found =
+                        t.of == &c && t.rule == rule ? results.find(t.settings) : nullptr) {
+                    accuracies.push_back(found->confusion.accuracy());
+                    all.add(found->confusion);
+                }
+            if (accuracies.size() < 2)
+                continue;
+            const double tested = static_cast<double>(all.total()) / static_cast<double>(accuracies.size());
+            const double ratio = tested / (static_cast<double>(c.data->images.size()) - tested);
+            const auto interval = [](const tactnet::mean_interval& of) {
+                return fmt::format("{:.2f} to {:.2f}", 100 * of.low, 100 * of.high);
+            };
+            const auto alone = tactnet::mean_interval::of(accuracies, ratio);
+            cells.push_back({c.what->name, c.what->size(),
+                             fmt::format("{} {}", accuracies.size(), name_of(rule)),
+                             fmt::format("{:.2f}", 100 * alone.mean), interval(alone),
+                             fmt::format("{:.2f}", 100 * all.balanced_accuracy()), "", "", ""});
+            if (first.size() == accuracies.size()) {
+                const auto both = tactnet::mean_interval::of_differences(accuracies, first, ratio);
+                cells.back()[6] = fmt::format("{:+.2f}", 100 * both.mean);
+                cells.back()[7] = interval(both), cells.back()[8] = fmt::format("{:.3f}", both.probability);
+            }
+            if (first.empty())
+                first = accuracies;
+        }
+    }
+    if (cells.size() > 1)
+        print(table(without_empty_columns(cells)) +
+              "95 % interval: of the mean over splits, wider for the images that splits have in common; "
+              "by chance: the probability of such a difference between methods that are alike\n\n");
+}
+
 int evaluate(const evaluate_options& o) {
     candidate_list candidates = candidates_of(o);
     check(o, candidates);
@@ -108,6 +155,7 @@ int evaluate(const evaluate_options& o) {
         static_cast<void>(take_from_elsewhere(all, results, false)); // which warns of them
     if (!train_all(all, o.jobs, results))
         return interrupted_by_user;
+    report_intervals(candidates, plan, all, results);
     stay_on_this_core();
     report(o, candidates, rows_of(candidates, plan, all, results, [](const method& what, std::size_t bits) {
                return measure_latency(what, bits);
@@ -115,18 +163,26 @@ int evaluate(const evaluate_options& o) {
     return success;
 }
 
-/// Throws usage_error unless the folder's classes are those of the weights.
-void check_classes(const evaluate_options& o, const loaded_weights& weights,
-                   const std::vector<std::string>& classes) {
-    if (classes.size() != weights.classes.size())
+/// Puts the labels of a folder, which may lack classes, among the classes of the weights. Throws usage_error
+/// for other classes.
+void take_classes(const evaluate_options& o, const loaded_weights& weights, image_data& data) {
+    tactnet::image_set& images = data.images;
+    if (!weights.named && images.classes.size() != weights.classes.size())
         refuse("{}: expected {} classes, as {} tells apart, found {}", o.data, weights.classes.size(),
-               o.weights.weights, classes.size());
-    const auto [expected, found] =
-        std::mismatch(weights.classes.begin(), weights.classes.end(), classes.begin());
-    if (weights.named && found != classes.end())
-        refuse("{}: expected the classes of {}, of which number {} is {}, found {}", o.data,
-               o.weights.weights, found - classes.begin(), tactnet::in_quotes(*expected),
-               tactnet::in_quotes(*found));
+               o.weights.weights, images.classes.size());
+    if (!weights.named)
+        return;
+    std::vector<std::size_t> place_of;
+    for (const std::string& name : images.classes) {
+        const auto known = std::ranges::find(weights.classes, name);
+        if (known == weights.classes.end())
+            refuse("{}: expected the classes of {}, of which number 0 is {}, found {}", o.data,
+                   o.weights.weights, tactnet::in_quotes(weights.classes.front()), tactnet::in_quotes(name));
+        place_of.push_back(static_cast<std::size_t>(known - weights.classes.begin()));
+    }
+    for (std::size_t& label : images.labels)
+        label = place_of[label];
+    images.classes = weights.classes;
 }
 
 /// Tests a weight file instead of training: on the test images of its split, or on all images of a folder.
@@ -138,12 +194,15 @@ int evaluate_weights(const evaluate_options& o) {
     std::vector<named_file> outputs;
     for (const char* kind : {"confusion_", "reliability_"})
         add_picture(outputs, "--results", stem(kind));
+    for (const char* kind : {"classes_", "predictions_"})
+        outputs.push_back({"--results", stem(kind) += ".csv"});
+    outputs.push_back({"--results", stem("classes_") += ".jsonl"});
     check_outputs({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs, o.data);
     const loaded_weights weights = load_weights(o.weights);
     const method& what = *weights.what;
-    const image_data data = load_data(o.data, what.rows, what.columns, o.training.resize, o.groups);
+    image_data data = load_data(o.data, what.rows, what.columns, o.training.resize, o.groups);
+    take_classes(o, weights, data);
     const std::vector<std::string>& classes = data.images.classes;
-    check_classes(o, weights, classes);
     tactnet::data_split split;
     if (o.images == "all")
         split.test = tactnet::all_samples(data.images.size());
@@ -156,11 +215,15 @@ int evaluate_weights(const evaluate_options& o) {
     tactnet::thread_pool threads(o.jobs);
     const tactnet::evaluation result = weights.trained->evaluate(data.view(), chosen, threads);
     plot_confusion(stem("confusion_"), o.weights.weights, result.confusion, classes);
+    write_class_report(stem("classes_"), result.confusion, classes);
+    tactnet::write_file(stem("predictions_") += ".csv",
+                        predictions_csv(data, chosen, result, weights.trained->temperature()));
     print(table({{"method", "size", "images", "right", "accuracy, %", "loss"},
                  {what.name, what.size(), fmt::to_string(result.confusion.total()),
                   fmt::to_string(result.confusion.correct()),
                   fmt::format("{:.2f}", 100 * result.confusion.accuracy()),
-                  std::isnan(result.loss) ? "none" : fmt::format("{:.4f}", result.loss)}}));
+                  std::isnan(result.loss) ? "none" : fmt::format("{:.4f}", result.loss)}}) +
+          '\n' + table(class_table(result.confusion, classes)));
     if (result.logits.empty())
         return success;
     study_row row = make_row(what.name, what.rows, what.columns, "", weights.trained->bits());
