@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/sensors/described/frame_file.hpp>
+#include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/text/message.hpp>
 
 #include <algorithm>
@@ -9,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 // Grey images as PGM: "P5", columns, rows and the largest value as digits, then bytes, or 16 bits with the

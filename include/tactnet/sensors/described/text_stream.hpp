@@ -54,7 +54,7 @@ public:
             const std::uint64_t others =
                 ((bytes + 0x7676767676767676U) | bytes) & 0x8080808080808080U; // right up to the first
             const int digits = std::countr_zero(others) / 8;
-            if (digits - 1U < 7 && at_[digits] == separator_ && is_digit(at_[digits + 1])) {
+            if (digits >= 1 && digits <= 7 && at_[digits] == separator_ && is_digit(at_[digits + 1])) {
                 bytes <<= 64 - 8 * digits;
                 bytes = bytes * 10 + (bytes >> 8U); // in every second byte, two digits
                 value = static_cast<std::uint32_t>(((bytes & 0xFF000000FFU) * 0xF424000000064U +
