@@ -177,6 +177,16 @@ void time_other_methods(layer_report& layer, const float* in, float* out) {
                 time(method);
         });
     if constexpr (!Step::layerwise && C.groups == 1) {
+        for (const std::size_t bytes_per_cycle : {28, 14, 9}) {
+            const tactnet::extent2d tile = kernels::best_tile(C, bytes_per_cycle);
+            const bool tiles =
+                tile != tactnet::extent2d(0) &&
+                kernels::tile_costs::to_replace(kernels::direct_method<C>::product_twentieths) >
+                    kernels::cost_by_tiles(C, tile, bytes_per_cycle);
+            if (kernels::tile_possible(C, 2))
+                layer.costs += "; " + std::to_string(bytes_per_cycle) +
+                               " far bytes per cycle: " + (tiles ? extent_text(tile) : "direct");
+        }
         const auto time_tile = [&]<std::size_t Rows, std::size_t Columns>(kernels::constant<Rows>,
                                                                           kernels::constant<Columns>) {
             constexpr tactnet::extent2d tile(Rows, Columns);

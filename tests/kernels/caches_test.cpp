@@ -44,3 +44,18 @@ TEST_CASE("tile_distance: where a line of each element has its place, tiles stay
     CHECK(tile_distance<float>(8 * 12, 36) == 8 * 12);
     CHECK(tile_distance<std::int16_t>(6 * 128, 30) == 6 * 128);
 }
+
+TEST_CASE("best_tile: the slower weights come, the fewer a layer packs") {
+    constexpr frame_convolution c{
+        .window = {{6, 12, 64}, 3, 1, 1, 1, 1, 1}, .filters = 64, .input_stride = 64};
+    if (best_tile(c, 28) == extent2d(0))
+        return; // vectors without tiles
+    std::size_t last = 36;
+    for (const std::size_t bytes_per_cycle : {1000U, 28U, 14U, 9U, 4U, 1U}) {
+        CAPTURE(bytes_per_cycle);
+        const std::size_t elements = tile_side(c, best_tile(c, bytes_per_cycle)).area();
+        CHECK(elements <= last);
+        last = elements;
+    }
+    CHECK(last == 16); // 2 × 2, the fewest
+}

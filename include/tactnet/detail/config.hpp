@@ -141,10 +141,18 @@
 #define TACTNET_ARCH_L2
 #define TACTNET_L2_CACHE_BY_DEFAULT
 #endif
+// How quickly weights come from beyond these caches: decides between methods of convolution.
+#if defined(TACTNET_FAR_BYTES_PER_CYCLE)
+#define TACTNET_ARCH_FAR TACTNET_ARCH_JOIN(_far_, TACTNET_FAR_BYTES_PER_CYCLE)
+#else
+#define TACTNET_ARCH_FAR
+#define TACTNET_FAR_BY_DEFAULT
+#endif
 
 /// For example for_avx2fbl, or for_scalar_sse2.
 #define TACTNET_ARCH                                                                                         \
-    TACTNET_ARCH_JOIN(TACTNET_ARCH_EXTENSIONS(TACTNET_ARCH_ADD_SHORT,                                        \
-                                              TACTNET_ARCH_JOIN(TACTNET_ARCH_KIND(TACTNET_ARCH_SHORT),       \
-                                                                TACTNET_ARCH_LEVEL(TACTNET_ARCH_SHORT))),    \
-                      TACTNET_ARCH_JOIN(TACTNET_ARCH_L1, TACTNET_ARCH_L2))
+    TACTNET_ARCH_JOIN(                                                                                       \
+        TACTNET_ARCH_EXTENSIONS(TACTNET_ARCH_ADD_SHORT,                                                      \
+                                TACTNET_ARCH_JOIN(TACTNET_ARCH_KIND(TACTNET_ARCH_SHORT),                     \
+                                                  TACTNET_ARCH_LEVEL(TACTNET_ARCH_SHORT))),                  \
+        TACTNET_ARCH_JOIN(TACTNET_ARCH_JOIN(TACTNET_ARCH_L1, TACTNET_ARCH_L2), TACTNET_ARCH_FAR))

@@ -16,8 +16,10 @@
 // defaults. Translation units with other sizes use namespaces of their own, like those for other instruction
 // sets (config.hpp).
 #if (defined(TACTNET_L1_CACHE_KIB) && defined(TACTNET_L1_CACHE_BY_DEFAULT)) ||                               \
-    (defined(TACTNET_L2_CACHE_KIB) && defined(TACTNET_L2_CACHE_BY_DEFAULT))
-#error "tactnet: define TACTNET_L1_CACHE_KIB and TACTNET_L2_CACHE_KIB before the first header of the library"
+    (defined(TACTNET_L2_CACHE_KIB) && defined(TACTNET_L2_CACHE_BY_DEFAULT)) ||                               \
+    (defined(TACTNET_FAR_BYTES_PER_CYCLE) && defined(TACTNET_FAR_BY_DEFAULT))
+#error                                                                                                       \
+    "tactnet: define TACTNET_L1_CACHE_KIB, TACTNET_L2_CACHE_KIB and TACTNET_FAR_BYTES_PER_CYCLE before the first header of the library"
 #endif
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
@@ -38,6 +40,21 @@ static_assert(
     l1_cache_bytes >= 4096 && l2_cache_bytes >= l1_cache_bytes,
     "tactnet: expected at least 4 KiB of L1 (TACTNET_L1_CACHE_KIB), and of L2 (TACTNET_L2_CACHE_KIB) as "
     "much as of L1");
+
+/// Bytes of weights per cycle from beyond the second level if all weights come from there; 0 by default,
+/// which means that those of a layer are near. Define TACTNET_FAR_BYTES_PER_CYCLE, a plain number, where a
+/// program does so much other work between frames that nothing of the network stays in the caches, or where
+/// the network exceeds them: methods with fewer weights are then chosen. This changes rounding errors of
+/// single precision, since other tiles round differently, but no result in 8 bits.
+#if defined(TACTNET_FAR_BY_DEFAULT)
+inline constexpr std::size_t far_bytes_per_cycle = 0;
+#else
+inline constexpr std::size_t far_bytes_per_cycle = TACTNET_FAR_BYTES_PER_CYCLE;
+#endif
+/// Products of vectors, two per cycle, in the time in which so many bytes of weights come.
+[[nodiscard]] constexpr std::size_t products_of_far_bytes(std::size_t bytes, std::size_t bytes_per_cycle) {
+    return 2 * bytes / bytes_per_cycle;
+}
 
 /// The part of the first level for an intermediate map; weights and outputs stream through the rest.
 inline constexpr std::size_t l1_map_bytes = l1_cache_bytes / 4 * 3;

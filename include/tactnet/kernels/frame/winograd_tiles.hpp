@@ -41,6 +41,13 @@ struct tile_costs {
     /// Bytes of weights that count as far. Not the configured size of the second level (caches.hpp): other
     /// tiles round differently, and the bits of a network must not depend on it.
     static constexpr std::size_t max_near_bytes = 512 * 1024;
+    /// The cost of a vector in a layer of so many bytes of weights; far_bytes_per_cycle as in caches.hpp.
+    static constexpr std::uint64_t weight(std::size_t vector, std::size_t layer,
+                                          std::size_t bytes_per_cycle) {
+        return bytes_per_cycle > 0 ? frame_method::product * products_of_far_bytes(vector, bytes_per_cycle)
+               : layer > max_near_bytes ? far_weight
+                                        : near_weight;
+    }
     /// The cost of the transforms per vector of an input tile and of products. Wide vectors hide all but one
     /// operation after the products; each direction with irrational points costs more. Narrow vectors pay
     /// for every load, addition and store.
@@ -62,34 +69,37 @@ private:
 };
 
 /// The cost of a convolution by tiles of so many outputs.
-[[nodiscard]] constexpr std::uint64_t cost_by_tiles(const frame_convolution& c, extent2d outputs) {
+[[nodiscard]] constexpr std::uint64_t cost_by_tiles(const frame_convolution& c, extent2d outputs,
+                                                    std::size_t bytes_per_cycle = far_bytes_per_cycle) {
     const std::size_t channels = c.window.input.channels, input_lanes = lanes_for<float>(channels),
                       input_vectors = ceil_div(channels, input_lanes);
     const extent2d side = tile_side(c, outputs);
     const std::uint64_t elements = side.area(), count = tile_count(c, outputs);
-    const bool far = elements * channels * c.padded_filters() * sizeof(float) > tile_costs::max_near_bytes;
-    const std::uint64_t of_channel =
-        std::max(frame_method::product * count, far ? tile_costs::far_weight : tile_costs::near_weight);
+    const std::uint64_t of_channel = std::max(
+        frame_method::product * count,
+        tile_costs::weight(c.width() * sizeof(float),
+                           elements * channels * c.padded_filters() * sizeof(float), bytes_per_cycle));
     return elements *
            (channels * c.vectors() * of_channel +
             count * (tile_costs::input(side) * input_vectors + tile_costs::output(side) * c.vectors()));
 }
 
 /// Rows and columns of the outputs of the cheapest tile; 0 if none is possible.
-[[nodiscard]] constexpr extent2d best_tile(const frame_convolution& c) {
+[[nodiscard]] constexpr extent2d best_tile(const frame_convolution& c,
+                                           std::size_t bytes_per_cycle = far_bytes_per_cycle) {
     if (!tile_possible(c, 2) || !tiles_fill_blocks(c, 2))
         return 0;
     extent2d best = 2;
     // Narrow vectors spend on transforms what larger tiles save.
-    std::uint64_t least = tile_costs::to_replace(cost_by_tiles(c, 2));
+    std::uint64_t least = tile_costs::to_replace(cost_by_tiles(c, 2, bytes_per_cycle));
     for (std::size_t rows = 2; frame_method::wide_vectors && rows <= 5; ++rows)
         for (std::size_t columns = 2; columns <= 5; ++columns) {
             const extent2d outputs(rows, columns);
             if (!tile_possible(c, outputs) || !tiles_fill_blocks(c, outputs) ||
-                cost_by_tiles(c, outputs) >= least)
+                cost_by_tiles(c, outputs, bytes_per_cycle) >= least)
                 continue;
             best = outputs;
-            least = cost_by_tiles(c, outputs);
+            least = cost_by_tiles(c, outputs, bytes_per_cycle);
         }
     return best;
 }

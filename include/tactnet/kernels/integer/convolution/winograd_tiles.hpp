@@ -72,7 +72,11 @@ struct integer_tiling {
     /// Instructions on vectors: products, which wait for weights if there are few tiles, and transforms with
     /// their loads and stores. A twentieth more than that, since tiles have more weights than taps.
     [[nodiscard]] constexpr std::size_t cost() const {
-        const std::size_t weight = weight_bytes() > l2_cache_bytes ? far_weight : near_weight,
+        const std::size_t weight = far_bytes_per_cycle > 0
+                                       ? products_of_far_bytes(width() * group * sizeof(std::int16_t),
+                                                               std::max<std::size_t>(far_bytes_per_cycle, 1))
+                                   : weight_bytes() > l2_cache_bytes ? far_weight
+                                                                     : near_weight,
                           products = groups() * vectors() *
                                      std::max(instructions::word_product_cost * count(), weight),
                           lines = line_cost(side().rows) + line_cost(side().columns),
