@@ -82,9 +82,9 @@ std::vector<std::size_t> numbered(const std::vector<std::string>& names,
     return numbers;
 }
 
-constexpr std::array<std::string_view, 4> columns{"path", "label", "group", "split"};
+constexpr std::array<std::string_view, 4> table_columns{"path", "label", "group", "split"};
 
-/// Cells by line, in the order of `columns`; nothing for those that the table has not.
+/// Cells by line, in the order of `table_columns`; nothing for those that the table has not.
 struct table_row {
     std::size_t line;
     std::array<std::optional<std::string>, 4> cells;
@@ -117,11 +117,12 @@ std::vector<table_row> read_table(const std::string& file) {
             throw tactnet::file_error(file, place, fmt::format("{} cells", head.size()),
                                       fmt::to_string(rows[r].cells.size()));
         table_row& row = found.emplace_back(table_row{rows[r].line, {}});
-        for (std::size_t c = 0; c < columns.size(); ++c)
-            if (place_of(columns[c]) < head.size()) {
-                row.cells[c] = rows[r].cells[place_of(columns[c])];
+        for (std::size_t c = 0; c < table_columns.size(); ++c)
+            if (place_of(table_columns[c]) < head.size()) {
+                row.cells[c] = rows[r].cells[place_of(table_columns[c])];
                 if (row.cells[c]->empty())
-                    throw tactnet::file_error(file, place, fmt::format("a {}", columns[c]), "an empty cell");
+                    throw tactnet::file_error(file, place, fmt::format("a {}", table_columns[c]),
+                                              "an empty cell");
             }
         if (const auto [first, is_new] = lines.try_emplace(*row.cells[0], row.line); !is_new)
             throw tactnet::file_error(file, place, "each image once",

@@ -37,7 +37,7 @@ neighbour_report compare(const compared_images& of, std::span<const std::size_t>
 }
 
 constexpr const char* after_another = "the one recorded before or after it";
-constexpr const char* page = "docs/verify/honest_tests.md";
+constexpr const char* page_of_tests = "docs/verify/honest_tests.md";
 
 /// Of numbers in file names that are groups, the one whose groups the nearest images are of most often.
 std::string pattern_text(const compared_images& of, std::span<const std::size_t> test,
@@ -73,7 +73,7 @@ std::string neighbours_text(const compared_images& of) {
                        100 * found.recognised, 100 * found.without_related,
                        groups ? "its group" : "the tenth of each class recorded before and after",
                        groups ? "--split grouped or leave-one-group-out" : "--split blocked, or by --group",
-                       page) +
+                       page_of_tests) +
            (groups ? "" : pattern_text(of, all, all, found.recognised));
 }
 
@@ -96,7 +96,7 @@ std::string neighbours_text(const compared_images& of, std::span<const std::size
                            "test images"),
                100 * found.recognised, 100 * found.without_related,
                by_group.too_easy() ? "its group" : "the tenth of each class recorded before and after",
-               page) +
+               page_of_tests) +
            by_name;
 }
 
