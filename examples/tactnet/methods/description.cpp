@@ -160,7 +160,7 @@ tactnet::file_metadata describe_program() {
 std::string float_instruction_set(std::string name) {
     // Of integers and bytes alone, whose results are exact.
     for (const std::string_view part :
-         {"_bmi2", "_lzcnt", "_cd", "_vbmi", "_vnni", "_avxvnni", "_dotprod", "_dsp"})
+         {"_bmi2", "_lzcnt", "_cd", "_vbmi", "_vnni", "_avxvnni", "_dotprod", "_i8mm", "_dsp"})
         for (std::size_t at = 0; (at = name.find(part, at)) != std::string::npos;)
             if (const std::size_t end = at + part.size(); end == name.size() || name[end] == '_')
                 name.erase(at, part.size());

@@ -96,7 +96,7 @@
 // Intel differ.
 // clang-format off
 #define TACTNET_ARCH_EXTENSIONS(add, level)       \
-    add(add(add(add(add(add(add(add(add(add(add(add(add(level, \
+    add(add(add(add(add(add(add(add(add(add(add(add(add(add(level, \
         __FMA__, f, "_fma"),                      \
         __FMA4__, F, "_fma4"),                    \
         __BMI2__, b, "_bmi2"),                    \
@@ -109,6 +109,7 @@
         __AVX512VNNI__, n, "_vnni"),              \
         __AVXVNNI__, N, "_avxvnni"),              \
         TACTNET_DOTPROD, p, "_dotprod"),          \
+        __ARM_FEATURE_MATMUL_INT8, i, "_i8mm"),   \
         __ARM_FEATURE_SIMD32, s, "_dsp")
 // clang-format on
 

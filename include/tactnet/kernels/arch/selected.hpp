@@ -4,7 +4,7 @@
 #if defined(__SSE2__)
 #include <tactnet/kernels/arch/vnni.hpp>
 #elif defined(__aarch64__)
-#include <tactnet/kernels/arch/dot_product.hpp>
+#include <tactnet/kernels/arch/matrix_product.hpp>
 #elif defined(__wasm__)
 #include <tactnet/kernels/arch/wasm.hpp>
 #else

@@ -151,7 +151,7 @@ TEST_SUITE("program") {
         CHECK(float_instruction_set("simd_avx512f_fma_bmi2_lzcnt_cd_dq_bw_vl_vbmi_vnni_avxvnni") ==
               "simd_avx512f_fma_dq_bw_vl");
         CHECK(float_instruction_set("simd_avx2_fma_fma4_l1_32") == "simd_avx2_fma_fma4_l1_32");
-        CHECK(float_instruction_set("simd_neon64_dotprod") == "simd_neon64");
+        CHECK(float_instruction_set("simd_neon64_dotprod_i8mm") == "simd_neon64");
     }
 
     TEST_CASE("study: what it cannot take is said") {

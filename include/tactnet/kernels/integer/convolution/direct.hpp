@@ -95,6 +95,63 @@ add_integer_products(register_block<int32_vec<Layout::width>, Rows * Columns, Ve
     }
 }
 
+/// The same for pairs of pixels. The last pixel of an odd row is its own neighbour, whose sums are left.
+template <class Layout, std::size_t Vectors, std::size_t Rows, std::size_t Columns,
+          frame_convolution C = Layout::convolution>
+[[gnu::always_inline]] inline void
+add_products_of_pairs(register_block<int32_vec<Layout::width>, Rows * Columns, Vectors>& sums,
+                      const typename Layout::staged* input, const typename Layout::weight* weights,
+                      row_range multiplied) {
+    using products = typename Layout::products;
+    constexpr std::size_t footprint_rows = (Rows - 1) * C.window.stride.rows + C.window.kernel.rows;
+    constexpr std::size_t step = C.window.stride.columns * Layout::stride;
+    register_block<int32_vec<Layout::width>, Rows, Vectors> unused;
+    const auto for_pairs = [&](std::size_t y, std::size_t v, const auto& of_pair) {
+#pragma GCC unroll 64
+        for (std::size_t x = 0; x < Columns; x += 2)
+            of_pair(x, sums[y * Columns + x][v],
+                    x + 1 < Columns ? sums[y * Columns + x + 1][v] : unused[y][v]);
+    };
+    const auto exchange = [&] {
+#pragma GCC unroll 64
+        for (std::size_t i = 0; i < Rows * Vectors; ++i)
+            for_pairs(i / Vectors, i % Vectors,
+                      [](std::size_t, auto& first, auto& second) { products::exchange(first, second); });
+    };
+#pragma GCC unroll 64
+    for (std::size_t i = 0; i < Rows * Vectors; ++i)
+        unused[i / Vectors][i % Vectors] = int32_vec<Layout::width>{};
+    exchange();
+    for (std::size_t in_pixel = 0; in_pixel < Layout::groups_of_pixel; ++in_pixel) {
+#pragma GCC unroll 64
+        for (std::size_t r = 0; r < footprint_rows; ++r) {
+            if (r < multiplied.first || r >= multiplied.last)
+                continue;
+#pragma GCC unroll 64
+            for (std::size_t y = 0; y < Rows; ++y) {
+                const std::size_t above = y * C.window.stride.rows;
+                if (r < above || r - above >= C.window.kernel.rows)
+                    continue;
+#pragma GCC unroll 64
+                for (std::size_t tap = 0; tap < Layout::groups_of_row * Vectors; ++tap) {
+                    const auto weight =
+                        products::load(weights + ((r - above) * Layout::groups_of_row * Vectors + tap) *
+                                                     Layout::weights_of_group);
+                    const auto* const under =
+                        input + r * Layout::pitch + tap / Vectors * Layout::columns_of_group * Layout::stride;
+                    for_pairs(y, tap % Vectors, [&](std::size_t x, auto& first, auto& second) {
+                        products::add(first, second, weight,
+                                      products::load_pair(under + x * step, x + 1 < Columns ? step : 0));
+                    });
+                }
+            }
+        }
+        input += Layout::group;
+        weights += C.window.kernel.rows * Layout::groups_of_row * Vectors * Layout::weights_of_group;
+    }
+    exchange();
+}
+
 /// The same for one vector of filters, in another order.
 template <class Layout, std::size_t Rows, std::size_t Columns, frame_convolution C = Layout::convolution>
 [[gnu::always_inline]] inline void
@@ -152,7 +209,10 @@ convolve_integer_block(const typename Layout::staged* input, const typename Layo
     constexpr std::size_t width = Layout::width;
     register_block<int32_vec<width>, Rows * Columns, Vectors> sums;
     start_integer_sums<Layout, Vectors, Rows, Columns>(sums, epilogue, output);
-    add_integer_products<Layout, Vectors, Rows, Columns>(sums, input, weights, multiplied);
+    if constexpr (Layout::in_pairs)
+        add_products_of_pairs<Layout, Vectors, Rows, Columns>(sums, input, weights, multiplied);
+    else
+        add_integer_products<Layout, Vectors, Rows, Columns>(sums, input, weights, multiplied);
     constexpr std::size_t pooled_columns = ceil_div(Columns, C.pool.columns),
                           pooled = ceil_div(Rows, C.pool.rows) * pooled_columns;
 #pragma GCC unroll 64
@@ -223,7 +283,7 @@ struct direct_integer_method {
     static constexpr bool applicable = true;
     /// Instructions for products. Those of four bytes add to the sums themselves.
     static constexpr std::size_t vector_instructions =
-        (layout::group == 4 ? 1 : 2) * C.rows() * C.columns() * C.window.kernel.area() *
+        (layout::group == 4 || layout::in_pairs ? 1 : 2) * C.rows() * C.columns() * C.window.kernel.area() *
         ceil_div(C.window.input.channels, layout::group) * layout::vectors;
     static constexpr std::size_t packed_elements = layout::weights * sizeof(typename layout::weight),
                                  workspace_elements =

@@ -25,8 +25,16 @@ struct direct_integer_layout {
     static_assert(C.groups == 1);
     static constexpr frame_convolution convolution = C;
     static constexpr std::size_t width = std::min(C.width(), max_integer_lanes);
-    using products =
-        std::conditional_t<std::is_same_v<Input, std::uint8_t>, byte_products<width>, word_products<width>>;
+    using products = decltype([]<class Set>(Set) {
+        if constexpr (!std::is_same_v<Input, std::uint8_t>)
+            return word_products<width>{};
+        else if constexpr (width == 4 && requires { typename Set::pairs; } && C.columns() > 1)
+            return typename Set::pairs{};
+        else
+            return byte_products<width>{};
+    }(instructions{}));
+    /// Whether products are those of two neighbours in a row.
+    static constexpr bool in_pairs = requires { &products::exchange; };
     using staged = typename products::staged;
     static constexpr std::size_t group = products::group;
     /// Subtracted from inputs as they are staged.
