@@ -147,8 +147,9 @@ TEST_CASE("input_function: deployed, in 8 bits, in files and in headers as in th
         save_deployed(folder / "bytes", in_bytes, {}, frames);
         check(load_deployed<net, eight_bit>(folder / "bytes"), 0.1);
 
-        const std::string header = deployed_header(
-            deployed, {}, std::span<const std::uint8_t, size.size()>(frames.data(), size.size()));
+        const std::string header =
+            deployed_header(deployed, {.network = "net", .namespace_name = "mat", .classes = {}},
+                            std::span<const std::uint8_t, size.size()>(frames.data(), size.size()));
         CHECK(header.find("tactnet::input_function{static_cast<tactnet::count_rule>(" +
                           std::to_string(static_cast<int>(f.rule)) + ")") != std::string::npos);
         CHECK(onnx_model(m).find(f.rule == count_rule::square_root ? "Sqrt" : "Log") != std::string::npos);

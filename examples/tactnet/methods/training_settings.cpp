@@ -40,9 +40,11 @@ void check_settings(const method& what, const training_settings& s) {
     check_pretrained(what, s);
     check_bits(what, s.bits);
     if (!what.is_network() && static_cast<const epoch_settings&>(s) != epoch_settings{})
-        refuse("--epochs, --batch, --rate, --input, --augmentation, --rotation, --translation, --start and "
-               "others of augmentation: expected a network, found {}, which is not trained by epochs",
-               what.name);
+        refuse(
+            "--reflect, --partners, --scale, --gain, --noise, --erase, --input-function, --knee, --epochs, "
+            "--batch, --rate, --input, --augmentation, --rotation, --translation, --start: expected a "
+            "network, found {}, which is not trained by epochs",
+            what.name);
     if (what.pretrained() && !s.start.empty())
         refuse("--start: expected a network that begins with random weights, found {}, which begins with "
                "those of --pretrained",

@@ -31,10 +31,12 @@ struct training_settings : epoch_settings {
     std::size_t bits = 32;        ///< of a weight, once it is trained: 8, or single precision
     bool auto_by_default = false; ///< whether the images choose the augmentation, if no option does
 
-    /// Whether the training images choose it.
+    /// Whether the training images choose it: by default unless the training is too short for trials.
     bool chooses(const method& what) const {
+        constexpr std::size_t fewest = 20;
         return what.begins_at_random() && recipe != "published" &&
-               (augmentation ? *augmentation == "auto" : auto_by_default);
+               (augmentation ? *augmentation == "auto"
+                             : auto_by_default && epochs.value_or(fewest) >= fewest);
     }
 };
 

@@ -55,9 +55,7 @@ inline constexpr std::array recipe_variations{
                      [](recipe& r) { r.ranges.translation = r.ranges.rotation = r.ranges.scale = 0; },
                      for_default},
     recipe_variation{"with the square root of counts",
-                     [](recipe& r) { r.function = {count_rule::square_root}; }, for_new},
-    recipe_variation{"with noise of 30 % of each count", [](recipe& r) { r.ranges.noise.relative = 0.3; },
-                     for_new}};
+                     [](recipe& r) { r.function = {count_rule::square_root}; }, for_new}};
 
 /// Divides samples into those that short trainings learn and those that judge them: whole groups, or blocks
 /// of each class in the order of recording. A class stays in training.
@@ -211,7 +209,8 @@ private:
         augmentation_trial t{.what = v.what, .gain = sum / n};
         t.error = std::sqrt(std::max(0.0, squares / n - t.gain * t.gain) / std::max(1.0, n - 1));
         // Short trainings favour less augmentation, the shorter the more.
-        const double least = v.standard_errors < for_default ? 0.005 : 0.01 + 10 / static_cast<double>(steps_);
+        const double least =
+            v.standard_errors < for_default ? 0.005 : 0.01 + 10 / static_cast<double>(steps_);
         t.adopted = t.gain > least && t.gain > v.standard_errors * t.error;
         if (t.adopted) {
             v.change(result_.chosen);
@@ -246,7 +245,7 @@ private:
 /// quarters of the samples and are judged on the others: whole groups, if `groups` holds the group of each
 /// sample. Scores are the probability of the right class, compared class by class and group by group. A kind
 /// of the recipe is given up if that gains more than 2.5 standard errors and 1 + 1000 ÷ steps points, since
-/// short trainings favour less augmentation; the square root of counts and noise are taken from one standard
+/// short trainings favour less augmentation; the square root of counts is taken from one standard
 /// error and half a point on.
 ///
 /// The network is untrained and is not changed. `names` of classes are for the reasons. `stop` is asked after
