@@ -26,8 +26,8 @@ struct training_settings : epoch_settings {
     /// File of a network trained on photographs, for methods that begin with one; else empty.
     std::string pretrained;
     tactnet::split_shares shares;
-    std::size_t folds = 5; ///< of rules with a number of them
-    bool balance = false;  ///< rare classes are repeated in training
+    std::size_t folds = 5;        ///< of rules with a number of them
+    bool balance = false;         ///< rare classes are repeated in training
     std::size_t bits = 32;        ///< of a weight, once it is trained: 8, or single precision
     bool auto_by_default = false; ///< whether the images choose the augmentation, if no option does
 

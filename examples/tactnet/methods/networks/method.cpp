@@ -261,8 +261,8 @@ public:
                                         tactnet::thread_pool& threads) const override {
         tactnet::labelled_images varied = data.view();
         varied.taken.vary = code_.variation_of(varied.taken.taken);
-        return tactnet::choose_augmentation(*code_.make(), recipe, varied, training, data.groups, seed, threads,
-                                            data.images.classes, interrupted);
+        return tactnet::choose_augmentation(*code_.make(), recipe, varied, training, data.groups, seed,
+                                            threads, data.images.classes, interrupted);
     }
     std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,
                                         tactnet::data_split split, std::uint64_t seed,
