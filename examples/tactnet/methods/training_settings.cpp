@@ -97,12 +97,11 @@ void add_training_options(CLI::App& command, training_settings& s, const std::st
     add_option(command, "--input", s.input, CLI::IsMember({"mean", "scale", "counts"}),
                "Subtract the 'mean' image, 'scale' counts by 1/255, or use 'counts' unchanged (default: the "
                "recipe's)");
-    s.auto_by_default = true;
     add_option(
         command, "--augmentation", s.augmentation, CLI::IsMember({"auto", "none", "each-epoch", "sixfold"}),
         "Augmentation: 'none', new images in 'each-epoch', five more per image, drawn once: 'sixfold', "
         "or 'auto': as 'each-epoch', with the kinds that short trainings on held-out images choose "
-        "(default: 'auto'; the published recipe's)");
+        "(default: the recipe's)");
     add_option(command, "--reflect", s.reflect, CLI::IsMember({"none", "rows", "columns", "both"}),
                "Reflect images upside down, 'rows', left to right, 'columns', or 'both' (default: what "
                "--augmentation says)");

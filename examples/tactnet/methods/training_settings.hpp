@@ -26,18 +26,12 @@ struct training_settings : epoch_settings {
     /// File of a network trained on photographs, for methods that begin with one; else empty.
     std::string pretrained;
     tactnet::split_shares shares;
-    std::size_t folds = 5;        ///< of rules with a number of them
-    bool balance = false;         ///< rare classes are repeated in training
-    std::size_t bits = 32;        ///< of a weight, once it is trained: 8, or single precision
-    bool auto_by_default = false; ///< whether the images choose the augmentation, if no option does
+    std::size_t folds = 5; ///< of rules with a number of them
+    bool balance = false;  ///< rare classes are repeated in training
+    std::size_t bits = 32; ///< of a weight, once it is trained: 8, or single precision
 
-    /// Whether the training images choose it: by default unless the training is too short for trials.
-    bool chooses(const method& what) const {
-        constexpr std::size_t fewest = 20;
-        return what.begins_at_random() && recipe != "published" &&
-               (augmentation ? *augmentation == "auto"
-                             : auto_by_default && epochs.value_or(fewest) >= fewest);
-    }
+    /// Whether the training images choose the augmentation.
+    bool chooses(const method& what) const { return what.begins_at_random() && augmentation == "auto"; }
 };
 
 /// --rows, --columns, --resize, --recipe, all that changes a recipe and what a training begins with.
