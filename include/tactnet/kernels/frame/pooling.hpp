@@ -96,7 +96,7 @@ template <pooling_windows Windows, std::size_t Stride, class Vector, class T>
                 add(value, column(c));
             put(x, value, Windows.divisor(y, x));
         };
-        for (std::size_t x = 0; x < first; ++x)
+        for (std::size_t x = 0; x != first; ++x)
             reduce_cut(x);
         if constexpr (first < end) {
             const std::size_t divisor = Windows.divisor(y, first);
