@@ -1,5 +1,5 @@
 """Puts measured figures into the documentation; none is typed. Results of `tactnet study` become docs/verify/study and the tables between
-the comments `<!-- study NAME -->` and `<!-- study NAME ends -->` of pages; times of benchmark_inference those between `<!-- speed NAME -->`
+the comments `<!-- study NAME -->` and `<!-- study NAME ends -->` of pages; times of benchmark_inference and benchmark_cold those between `<!-- speed NAME -->`
 comments. Tables that are not in study.md are rows and columns of its table of all methods. README.md quotes some figures: they are compared.
 
     python3 docs/verify/study/tables.py                       writes the tables into the pages again
@@ -91,14 +91,28 @@ def speed(name):
                      "PyTorch 1.13.0, its C++ functions": "libtorch_us"}
         row = measured["zen4"]["tactnet6/28x50"]
         return "| TactNet-6 at 28 × 50 | µs per frame |\n|---|---|\n" + "".join(f"| {name} | {row[key]} |\n" for name, key in libraries.items())
+    def title(network):
+        return re.sub("tact(net|resnet)([0-9]?)/(.*)x(.*)", lambda m: f"Tact{'Net-' + m[2] if m[1] == 'net' else 'ResNet'} {m[3]} × {m[4]}", network)
+
+    if name.startswith("cold"):
+        with open(ROOT / "benchmarks/results/zen5/2026-11-28/cold.csv", encoding="utf-8") as file:
+            rows = {(row["network"], row["library"]): row for row in csv.DictReader(file) if row["format"] == name[5:]}
+        table = ("| one frame | packed, kB | tactnet, µs: warm | cold | oneDNN, µs: warm | cold | oneDNN ÷ tactnet: warm | cold |\n"
+                 "|---|---|---|---|---|---|---|---|\n")
+        for (network, library), ours in rows.items():
+            if library == "tactnet":
+                theirs = rows[network, "onednn"]
+                times = [float(row[when]) for row in (ours, theirs) for when in ("warm_us", "cold_us")]
+                cells = [f"{int(ours['packed_bytes']) / 1000:.0f}", *(f"{t:.3g}" for t in times), f"{times[2] / times[0]:.2f}",
+                         f"{times[3] / times[1]:.2f}"]
+                table += f"| {title(network)} | {' | '.join(cells)} |\n"
+        return table
     table = ("| batch 1 | Zen 4: tactnet, µs | oneDNN, µs | ONNX Runtime, µs | oneDNN ÷ tactnet | Zen 5: tactnet, µs | oneDNN ÷ tactnet |\n"
              "|---|---|---|---|---|---|---|\n")
     for network, four in measured["zen4"].items():
         five = measured["zen5"][network]
-        title = re.sub("tact(net|resnet)([0-9]?)/(.*)x(.*)",
-                       lambda m: f"Tact{'Net-' + m[2] if m[1] == 'net' else 'ResNet'} {m[3]} × {m[4]}", network)
         cells = [four["tactnet_us"], four["onednn_us"], four["onnxruntime_us"], four["ratio"], five["tactnet_us"], five["ratio"]]
-        table += f"| {title} | {' | '.join(cells)} |\n"
+        table += f"| {title(network)} | {' | '.join(cells)} |\n"
     return table
 
 
@@ -119,6 +133,8 @@ put("docs/choosing.md", "study front", study("front"))
 for table in ("best", "compared", "memory"):
     put("docs/verify/results.md", f"study {table}", study(table))
 put("docs/recognise/speed.md", "speed networks", speed("networks"))
+for numbers in ("float", "8 bits"):
+    put("docs/recognise/speed.md", f"speed cold {numbers}", speed(f"cold {numbers}"))
 put("docs/choosing.md", "speed libraries", speed("libraries"))
 # The first and the last row of the front, and the microcontroller.
 expect_in_readme(
