@@ -1,1 +1,23 @@
-"""Tools in Python for tactnet, the C++ library that recognises touched objects."""
+"""tactnet in Python: networks that recognise touched objects from pressure images, at any size (docs/train/python.md).
+
+>>> from tactnet import Network
+>>> from tactnet.layers import Conv2d, Dense, MaxPool, ReLU
+>>> Network((14, 25), [Conv2d(8, 3), ReLU(), MaxPool(2), Dense(5)])
+network<shape{14, 25}, conv2d<8, 3>, relu, max_pool<2>, dense<5>>
+"""
+
+from .build import CompilationFailed, CompilerNotFound
+from .network import Deployed, Network
+
+__all__ = ["Classifier", "CompilationFailed", "CompilerNotFound", "Deployed", "FileError", "Network", "TrainingDiverged"]
+
+
+def __getattr__(name):
+    # scikit-learn is imported, and the module of C++ compiled, only by those who use them.
+    if name == "Classifier":
+        from .classifier import Classifier
+        return Classifier
+    if name in ("FileError", "TrainingDiverged", "Stream"):
+        from . import build
+        return getattr(build.core(), name)
+    raise AttributeError(f"module 'tactnet' has no attribute {name!r}")

@@ -6,6 +6,8 @@ from typing import Callable
 
 import numpy
 
+from ..spelling import call, extent  # noqa: F401 what operators spell layers with
+
 
 @dataclass
 class Map:
@@ -104,15 +106,3 @@ def as_branch(layers):
     if not layers:
         return "identity_layer"
     return str(layers[0]) if len(layers) == 1 else f"sequence<{', '.join(texts(layers))}>"
-
-
-def call(name, *arguments):
-    """A template with its arguments, each (text, default); defaults at the end are left out."""
-    arguments = list(arguments)
-    while arguments and arguments[-1][0] == arguments[-1][1]:
-        arguments.pop()
-    return f"{name}<{', '.join(text for text, _ in arguments)}>" if arguments else name
-
-
-def extent(rows, columns):
-    return str(rows) if rows == columns else f"extent2d{{{rows}, {columns}}}"

@@ -1,11 +1,12 @@
 """The files that an import writes: header, weights, report."""
 
 import json
-import os
 import re
 import struct
 
 import numpy
+
+from ..files import write_safely  # noqa: F401 for those who write what this makes
 
 TYPES = {"float32": "F32", "float64": "F64", "uint8": "U8", "int64": "I64"}
 RESERVED = {"tactnet", "std", "net", "int", "float", "double", "char", "bool", "new", "class", "default", "switch", "this", "main",
@@ -16,18 +17,6 @@ def identifier(text):
     """A name for a namespace."""
     name = re.sub(r"\W+", "_", text, flags=re.ASCII).strip("_").lower() or "model"
     return f"{name}_network" if name in RESERVED or name[0].isdigit() else name
-
-
-def write_safely(path, data):
-    """All or nothing; a file that holds the same stays, so that nothing is compiled again."""
-    if os.path.exists(path):
-        with open(path, "rb") as file:
-            if file.read() == data:
-                return
-    partial = f"{path}.partial"
-    with open(partial, "wb") as file:
-        file.write(data)
-    os.replace(partial, path)
 
 
 def safetensors(arrays, metadata):
