@@ -93,7 +93,7 @@ TEST_SUITE("program") {
              "36 images to train");
     }
 
-    TEST_CASE("check and train: recordings of a person are near-duplicates") {
+    TEST_CASE("near_duplicates: recordings of a person are near-duplicates") {
         const workshop shop;
         for (std::size_t c = 0; c < 3; ++c)
             for (std::size_t i = 0; i < images_per_class; ++i) // recordings of three frames
