@@ -5,7 +5,6 @@
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame/elementwise.hpp>
 #include <tactnet/lowering/step.hpp>
-#include <tactnet/networks/input_function.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/operators/sequence/step.hpp>
 #include <tactnet/tensor/shape.hpp>
@@ -118,15 +117,7 @@ public:
     /// Whether to prefer layer-wise batching, and all threads for one frame.
     static constexpr bool layerwise = Steps::layerwise;
 
-    /// As the packed steps, for frames whose counts are compressed by a function.
-    constexpr explicit deployed_view(const packed_number* packed, std::size_t classes = outputs,
-                                     double temperature = 1, const input_function& function = {}) noexcept
-        : base(packed, classes, temperature), function_(function) {}
-    constexpr explicit deployed_view(const packed_weights& weights, std::size_t classes = outputs,
-                                     double temperature = 1, const input_function& function = {}) noexcept
-        : base(weights, classes, temperature), function_(function) {}
-    explicit deployed_view(const packed_weights&&, std::size_t = outputs, double = 1,
-                           const input_function& = {}) = delete; // they must outlive the view
+    using base::base;
 
     using detail::refused_calls<Input, outputs>::infer;
     using detail::refused_calls<Input, outputs>::classify;
@@ -216,25 +207,14 @@ private:
     }
 
     bool read(frame_ref<Input> frame, activation* in) const noexcept {
-        return frame.visit([&](auto frame_elements) {
-            return function_.identity() ? input::read(packed_, frame_elements.data(), in)
-                                        : read_compressed(frame_elements.data(), in);
-        });
-    }
-    /// Not inline: only networks with an input function need room for another frame on the stack.
-    template <class Count>
-    [[gnu::noinline]] bool read_compressed(const Count* counts, activation* in) const noexcept {
-        alignas(vector_alignment) std::array<float, Input.size()> frame;
-        function_.apply(counts, frame);
-        return input::read(packed_, frame.data(), in);
+        return frame.visit(
+            [&](auto frame_elements) { return input::read(packed_, frame_elements.data(), in); });
     }
     static constexpr void check_stack() {
         static_assert(fits_stack<workspace_bytes, max_stack_bytes>,
                       "deployed: this network needs more workspace than a stack should hold: give it some "
                       "from the heap; fits_stack shows bytes needed, bytes at most");
     }
-
-    input_function function_;
 };
 
 }} // namespace tactnet

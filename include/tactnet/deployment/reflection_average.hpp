@@ -1,11 +1,10 @@
 #pragma once
 
 #include <tactnet/deployment/deployed_view.hpp>
-#include <tactnet/networks/reflection_rule.hpp>
+#include <tactnet/networks/recognition.hpp>
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -17,9 +16,7 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 ///     reflection_average average(network.view());
 ///     const frame_status status = average.infer(counts, logits, workspace);
 ///
-/// By `rule`, the mean is over the reflections that show a class, with the outputs of partners exchanged: as
-/// the network was trained (deployed::reflections). A frame and its reflections give the same bits. Like the
-/// view: const, no heap, no exceptions.
+/// A frame and its reflections give the same bits. Like the view: const, no heap, no exceptions.
 template <class View>
 class reflection_average {
 public:
@@ -36,17 +33,7 @@ public:
     };
 
     /// The weights of the view must outlive it.
-    constexpr explicit reflection_average(const View& network) noexcept : network_(network) {
-        for (auto& partners : partners_)
-            for (std::size_t e = 0; e < outputs; ++e)
-                partners[e] = static_cast<std::uint16_t>(e);
-    }
-    reflection_average(const View& network, const reflection_rule& rule) noexcept
-        : network_(network), axes_(rule.axes()) {
-        for (std::size_t r = 0; r < all_reflections.size(); ++r)
-            for (std::size_t e = 0; e < outputs; ++e)
-                partners_[r][e] = static_cast<std::uint16_t>(rule.partner(all_reflections[r], e));
-    }
+    constexpr explicit reflection_average(const View& network) noexcept : network_(network) {}
 
     /// As the view's call. `not_finite` if one of the four is.
     frame_status infer(frame_ref<input_shape> frame, std::span<float, outputs> to,
@@ -60,9 +47,7 @@ public:
         const frame_status status = infer_each(frame, to, memory, [&](std::size_t i) {
             network_.read_features(memory.network, memory.features_per_reflection[i]);
         });
-        for (std::size_t f = 0; f < features; ++f)
-            to_features[f] = mean_of_reflections(
-                axes_, [&](std::size_t i) { return memory.features_per_reflection[i][f]; });
+        average(memory.features_per_reflection, to_features);
         return status;
     }
 
@@ -81,8 +66,6 @@ private:
                             const Each& each) const noexcept {
         frame_status status = frame_status::ok;
         for (std::size_t i = 0; i < all_reflections.size(); ++i) {
-            if (!all_reflections[i].within(axes_))
-                continue;
             frame.visit([&]<class Count>(tensor_view<const Count, input_shape> frame_elements) {
                 // Bytes stay bytes, which the network may read faster.
                 auto* const reflected = reinterpret_cast<Count*>(memory.frame.data());
@@ -93,15 +76,18 @@ private:
             });
             each(i);
         }
-        for (std::size_t e = 0; e < outputs; ++e)
-            to[e] = mean_of_reflections(
-                axes_, [&](std::size_t i) { return memory.outputs_per_reflection[i][partners_[i][e]]; });
+        average(memory.outputs_per_reflection, to);
         return status;
+    }
+    template <std::size_t Count>
+    static void average(const std::array<std::array<float, Count>, all_reflections.size()>& numbers,
+                        std::span<float, Count> to) noexcept {
+        const auto& [upright, rows, columns, both] = numbers;
+        for (std::size_t e = 0; e < Count; ++e)
+            to[e] = mean_of_reflections(upright[e], rows[e], columns[e], both[e]);
     }
 
     View network_;
-    reflection axes_{true, true};
-    std::array<std::array<std::uint16_t, outputs>, all_reflections.size()> partners_{};
 };
 
 }} // namespace tactnet

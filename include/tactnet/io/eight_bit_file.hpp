@@ -37,8 +37,6 @@ struct stored_deployed {
     std::vector<float> folded; ///< for the constructor of `deployed`
     std::vector<std::string> classes;
     double temperature = 1; ///< of probabilities
-    input_function function{};
-    reflection_rule reflections = reflection_rule::all();
 };
 
 namespace detail {
@@ -97,8 +95,7 @@ for_each_folded(const folded_layout& layout, const stored_arrays& arrays,
     require_arrays(file, arrays, classes);
 
     stored_deployed stored{std::vector<float>(layout.numbers), std::move(d.classes),
-                           d.temperature.value_or(1.0), d.function.value_or(input_function{}),
-                           d.reflections.value_or(reflection_rule::all())};
+                           d.temperature.value_or(1.0)};
     float* const folded = stored.folded.data();
     const auto read = [&](const named_array& array) {
         const std::vector<float> values = file.values<float>(array.name);
@@ -146,8 +143,7 @@ for_each_folded(const folded_layout& layout, const stored_arrays& arrays,
 [[gnu::cold]] inline void add_deployed(safetensors_writer& writer, const folded_layout& layout,
                                        std::span<const float> folded, std::span<const std::string> classes,
                                        std::span<const std::uint8_t> selftest, const logits_function& logits,
-                                       double temperature = 1, const input_function& function = {},
-                                       const reflection_rule& reflections = reflection_rule::all()) {
+                                       double temperature = 1) {
     detail::check_classes("deployed", classes.size(), layout.outputs);
     const std::span<const float> mean = folded.first(layout.input.size());
     bool subtracts = false;
@@ -161,9 +157,7 @@ for_each_folded(const folded_layout& layout, const stored_arrays& arrays,
                                       .subtracts_mean = subtracts,
                                       .scale = {},
                                       .bits = 8,
-                                      .temperature = detail::to_store(temperature),
-                                      .function = detail::to_store(function),
-                                      .reflections = detail::to_store(reflections)});
+                                      .temperature = detail::to_store(temperature)});
     const stored_arrays arrays = detail::arrays_of(layout, classes.size());
     const auto add = [&](const named_array& array) {
         writer.add(array.name, array.extents, folded.subspan(array.offset, array.size));
@@ -197,8 +191,6 @@ template <class Network, class Format>
     stored_deployed stored = read_deployed(file, folded_layout_of<typename bytes::view_type>());
     constexpr std::size_t numbers = bytes::view_type::folded_elements;
     bytes network(std::span<const float, numbers>(stored.folded.data(), numbers));
-    network.set_input_function(stored.function);
-    network.set_reflections(std::move(stored.reflections));
     const std::size_t classes = stored.classes.size();
     check_deployed(file, Network::input_shape, classes, [&](std::span<const std::uint8_t> images) {
         return detail::logits_of(network, images, classes);
@@ -229,7 +221,7 @@ template <class Network>
         [&](std::span<const std::uint8_t> images) {
             return detail::logits_of(network, images, network.classes().size());
         },
-        network.temperature(), network.function(), network.reflections());
+        network.temperature());
     writer.write(path);
 }
 

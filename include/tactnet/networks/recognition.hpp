@@ -118,11 +118,6 @@ template <borrowed_names Names>
 /// A reflection of an image: flipped vertically, horizontally, both (a rotation by 180°) or not at all.
 struct reflection {
     bool rows = false, columns = false;
-
-    /// Whether it reflects along no other axes.
-    [[nodiscard]] constexpr bool within(reflection axes) const noexcept {
-        return (!rows || axes.rows) && (!columns || axes.columns);
-    }
 };
 
 /// The reflections of a touch: the object is the same in all of them.
@@ -145,13 +140,6 @@ constexpr void reflect_image(const shape& image, reflection how, const Count* fr
 /// so that each of the four images gives the same bits.
 [[nodiscard]] constexpr float mean_of_reflections(float upright, float rows, float columns, float both) {
     return ((upright + rows) + (columns + both)) / 4;
-}
-/// The same over the reflections along the given axes alone: at(r) is of all_reflections[r].
-template <class At>
-[[nodiscard]] constexpr float mean_of_reflections(reflection axes, const At& at) {
-    if (axes.rows && axes.columns)
-        return mean_of_reflections(at(0), at(1), at(2), at(3));
-    return axes.rows || axes.columns ? (at(0) + at(axes.rows ? 1 : 2)) / 2 : at(0);
 }
 
 }} // namespace tactnet

@@ -68,7 +68,6 @@ public:
                     {"trainer: expected input_rule::scale for a network that takes counts, found "
                      "input_rule::",
                      how.input == input_rule::counts ? "counts" : "subtract_mean"});
-            step_.in().compress(how.function);
             if (how.input == input_rule::subtract_mean)
                 step_.in().subtract_mean(samples_.pixels(), split_.training);
             else if (how.input == input_rule::scale)
@@ -92,12 +91,9 @@ public:
         return split_.validation.empty() || how_.keeps_last ? candidate() : *best_;
     }
     [[nodiscard]] const trainable& latest() const { return candidate(); }
-    /// Inputs are (number − mean) × scale, of compressed counts or of features.
+    /// Inputs are (number − mean) × scale, of counts or of features.
     [[nodiscard]] std::span<const float> mean() const { return step_.in().mean(); }
     [[nodiscard]] float scale() const { return step_.in().scale(); }
-    /// Those of recipe::learnt_reflections.
-    [[nodiscard]] reflection_rule reflections() const { return how_.learnt_reflections(); }
-    [[nodiscard]] const input_function& function() const { return step_.in().function(); }
     [[nodiscard]] const data_split& split() const { return split_; }
 
     /// Starts from the parameters and statistics of another network, for example one trained on simulated
@@ -235,7 +231,7 @@ private:
         });
         std::vector<std::size_t> labels(places.size());
         std::transform(places.begin(), places.end(), labels.begin(),
-                       [&](std::size_t place) { return shown_.label(place, epoch); });
+                       [&](std::size_t place) { return shown_.label(place); });
         const double loss = step_.run(labels, rate);
         if (how_.averaging > 0)
             average();
@@ -251,7 +247,7 @@ private:
 
     void validate(epoch_report& report) {
         const evaluation result =
-            evaluate(candidate(), mean(), scale(), samples_, split_.validation, threads_, {}, function());
+            evaluate(candidate(), mean(), scale(), samples_, split_.validation, threads_);
         detail::check_loss(result.loss, report, "validation");
         report.validation_loss = result.loss;
         report.validation_accuracy = result.confusion.accuracy();

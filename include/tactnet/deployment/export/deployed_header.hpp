@@ -106,13 +106,8 @@ template <class Network, class Format, class View>
 }
 
 /// The arguments of a view after its packed weights, if they differ from the defaults.
-[[nodiscard]] inline std::string known_arguments(const header_description& description, double temperature,
-                                                 const input_function& function = {}) {
+[[nodiscard]] inline std::string known_arguments(const header_description& description, double temperature) {
     const std::string classes = description.classes.empty() ? "recogniser_type::outputs" : "classes.size()";
-    if (!function.identity())
-        return ", " + classes + ", " + literal(temperature) +
-               ", tactnet::input_function{static_cast<tactnet::count_rule>(" +
-               std::to_string(static_cast<int>(function.rule)) + "), " + literal(function.knee) + "}";
     if (temperature != 1)
         return ", " + classes + ", " + literal(temperature);
     return description.classes.empty() ? "" : ", " + classes;
@@ -150,7 +145,7 @@ template <class Network, class Format>
         {{"contents", "The mean frame, the scale, the largest input, then weights and biases step by step."},
          {"size", detail::size_of(input)},
          {"remaining", std::to_string(view::folded_elements - view::steps_folded)},
-         {"known", detail::known_arguments(description, network.temperature(), network.function())},
+         {"known", detail::known_arguments(description, network.temperature())},
          {"on a stack", on_stack ? detail::selftest_on_stack : ""},
          {"frame", detail::number_lines<std::uint8_t>(
                        frame, [](std::uint8_t count) { return std::to_string(count); })}});

@@ -78,7 +78,7 @@ private:
     const std::uint64_t of_channel = std::max(
         frame_method::product * count,
         tile_costs::weight(c.width() * sizeof(float),
-                           elements * channels * c.padded_filters() * sizeof(float), bytes_per_cycle));
+                           side.area() * channels * c.padded_filters() * sizeof(float), bytes_per_cycle));
     return elements *
            (channels * c.vectors() * of_channel +
             count * (tile_costs::input(side) * input_vectors + tile_costs::output(side) * c.vectors()));

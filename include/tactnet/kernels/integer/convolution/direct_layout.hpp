@@ -19,20 +19,25 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH { namespace kernels {
 
+/// The products for inputs of type `Input` by vectors of `Width` integers; by pairs of neighbours in a row if
+/// there are any.
+template <class Input, std::size_t Width, bool Neighbours, class Set>
+constexpr auto direct_products(Set) {
+    if constexpr (!std::is_same_v<Input, std::uint8_t>)
+        return word_products<Width>{};
+    else if constexpr (Width == 4 && Neighbours && requires { typename Set::pairs; })
+        return typename Set::pairs{};
+    else
+        return byte_products<Width>{};
+}
+
 /// The layout for a fused convolution without groups, from inputs of type `Input`: bytes or words of 16 bits.
 template <frame_convolution C, class Input>
 struct direct_integer_layout {
     static_assert(C.groups == 1);
     static constexpr frame_convolution convolution = C;
     static constexpr std::size_t width = std::min(C.width(), max_integer_lanes);
-    using products = decltype([]<class Set>(Set) {
-        if constexpr (!std::is_same_v<Input, std::uint8_t>)
-            return word_products<width>{};
-        else if constexpr (width == 4 && requires { typename Set::pairs; } && C.columns() > 1)
-            return typename Set::pairs{};
-        else
-            return byte_products<width>{};
-    }(instructions{}));
+    using products = decltype(direct_products<Input, width, (C.columns() > 1)>(instructions{}));
     /// Whether products are those of two neighbours in a row.
     static constexpr bool in_pairs = requires { &products::exchange; };
     using staged = typename products::staged;
