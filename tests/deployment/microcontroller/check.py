@@ -95,7 +95,7 @@ def compare_with_page(rows):
     old, end, after = rest.partition(END)
     if not begin or not end:
         sys.exit(f"microcontroller: {page}: expected '{BEGIN}' and '{END}' behind it.")
-    there = dict(re.findall(r"^(\| [\w +-]+ \|)(.*\n)", old, re.M))
+    there = dict(re.findall(r"^(\| [\w, +-]+ \|)(.*\n)", old, re.M))
     table = ("| TactNet-4, 14 × 25 | 8 bits: flash, kB | RAM, kB | thousand instructions | single precision: flash, kB | RAM, kB "
              "| thousand instructions |\n|---|---|---|---|---|---|---|\n")
     table += "".join(what + (row or there.get(what, "\n")) for what, row in rows.items())
