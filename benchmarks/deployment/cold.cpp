@@ -1,5 +1,5 @@
 // Calls that find their network in no cache, as in a robot that recognises a frame every 10 ms and does other
-// work between: each library is called after other memory was written, then again and again. Beside it, a
+// work between: each library is called after other memory was written, then again and again. Compared with a
 // plain sum over as many bytes as the packed weights, as cold.
 //
 //     benchmark_cold [--networks=tactnet6/28x50,...] [--csv=FILE] [--megabytes=96] [--rounds=60]
