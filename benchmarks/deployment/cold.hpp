@@ -76,26 +76,11 @@ void register_cold_calls(const std::string& name) {
              std::vector<cold_contender> all;
              add_contender(all, "tactnet", given->expected, float_tolerance,
                            inference_of(given, tactnet::deploy(given->network)));
-             const auto compare_with = [&](const char* library, auto make) {
+             for_each_library([&](const char* library, auto make) {
                  const std::shared_ptr<peer> one = make(described_network::of(given->network), 1);
                  add_contender(all, library, given->expected, float_tolerance,
                                [given, one](std::span<float> logits) { one->run(given->frames, logits); });
-             };
-#ifdef TACTNET_BENCHMARK_ONEDNN
-             compare_with("onednn", [](const described_network& n, std::size_t frames) {
-                 return make_onednn(n, frames);
              });
-#endif
-#ifdef TACTNET_BENCHMARK_OPENCV_DNN
-             compare_with("opencv_dnn", make_opencv_dnn);
-#endif
-#ifdef TACTNET_BENCHMARK_LIBTORCH
-             compare_with("libtorch", make_libtorch);
-#endif
-#ifdef TACTNET_BENCHMARK_ONNXRUNTIME
-             compare_with("onnxruntime", make_onnxruntime);
-#endif
-             static_cast<void>(compare_with);
              return all;
          }});
     cold_cases().push_back(

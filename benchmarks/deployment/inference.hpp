@@ -112,7 +112,7 @@ void register_inference(const std::string& name) {
         const auto deployed = made_once([=] { return tactnet::deploy(given().network); });
         RegisterBenchmark(("tactnet/" + end).c_str(),
                           [=](State& state) { time_deployed(state, given(), deployed(), float_tolerance); });
-        const auto beside = [=](const char* peer_name, auto make) {
+        for_each_library([=](const char* peer_name, auto make) {
             const auto made = made_once([=] { return make(described_network::of(given().network), batch); });
             RegisterBenchmark((peer_name + ("/" + end)).c_str(), [=](State& state) {
                 std::vector<float> logits(given().expected.size());
@@ -121,21 +121,7 @@ void register_inference(const std::string& name) {
                 time_checked(state, logits, given().expected, float_tolerance,
                              [&] { theirs.run(frames, logits); });
             });
-        };
-#ifdef TACTNET_BENCHMARK_ONEDNN
-        beside("onednn",
-               [](const described_network& n, std::size_t frames) { return make_onednn(n, frames); });
-#endif
-#ifdef TACTNET_BENCHMARK_OPENCV_DNN
-        beside("opencv_dnn", make_opencv_dnn);
-#endif
-#ifdef TACTNET_BENCHMARK_LIBTORCH
-        beside("libtorch", make_libtorch);
-#endif
-#ifdef TACTNET_BENCHMARK_ONNXRUNTIME
-        beside("onnxruntime", make_onnxruntime);
-#endif
-        static_cast<void>(beside);
+        });
         register_8bit_inference<Network>(end, batch);
     }
 }

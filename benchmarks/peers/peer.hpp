@@ -39,4 +39,22 @@ public:
 [[nodiscard]] std::unique_ptr<byte_peer> make_onednn_8bit(const described_network& network, std::size_t batch,
                                                           std::span<const std::uint8_t> frames);
 
+/// Calls with(name, make) for each library in single precision that CMake has found; make(network, batch) is
+/// a peer.
+template <class With>
+void for_each_library([[maybe_unused]] const With& with) {
+#ifdef TACTNET_BENCHMARK_ONEDNN
+    with("onednn", [](const described_network& n, std::size_t batch) { return make_onednn(n, batch); });
+#endif
+#ifdef TACTNET_BENCHMARK_OPENCV_DNN
+    with("opencv_dnn", make_opencv_dnn);
+#endif
+#ifdef TACTNET_BENCHMARK_LIBTORCH
+    with("libtorch", make_libtorch);
+#endif
+#ifdef TACTNET_BENCHMARK_ONNXRUNTIME
+    with("onnxruntime", make_onnxruntime);
+#endif
+}
+
 } // namespace benchmark

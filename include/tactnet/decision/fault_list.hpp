@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/detail/arithmetic.hpp>
+#include <tactnet/kernels/frame/suspects.hpp>
 #include <tactnet/kernels/frame/tactels.hpp>
 #include <tactnet/runtime/saved_state.hpp>
 #include <tactnet/tensor/shape.hpp>

@@ -2,6 +2,7 @@
 
 #include <tactnet/decision/fault_list.hpp>
 #include <tactnet/decision/gain_monitor.hpp>
+#include <tactnet/kernels/frame/suspects.hpp>
 #include <tactnet/kernels/frame/tactels.hpp>
 #include <tactnet/runtime/saved_state.hpp>
 #include <tactnet/tensor/shape.hpp>

@@ -1,3 +1,4 @@
+#include <tactnet/kernels/frame/suspects.hpp>
 #include <tactnet/kernels/frame/tactels.hpp>
 
 #include <doctest/doctest.h>

@@ -2,9 +2,9 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/detail/indices.hpp>
+#include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame_convolution.hpp>
 #include <tactnet/kernels/method_list.hpp>
-#include <tactnet/kernels/simd/prefetch.hpp>
 
 #include <algorithm>
 #include <array>

@@ -2,8 +2,8 @@
 
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/detail/indices.hpp>
+#include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/frame/winograd_tiles.hpp>
-#include <tactnet/kernels/simd/prefetch.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
 
 #include <algorithm>

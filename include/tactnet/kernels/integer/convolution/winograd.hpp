@@ -3,9 +3,9 @@
 #include <tactnet/detail/indices.hpp>
 #include <tactnet/kernels/arch/compiler_vector.hpp>
 #include <tactnet/kernels/arch/selected.hpp>
+#include <tactnet/kernels/caches.hpp>
 #include <tactnet/kernels/integer/convolution/winograd_tiles.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
-#include <tactnet/kernels/simd/prefetch.hpp>
 #include <tactnet/kernels/simd/tile_lines.hpp>
 
 #include <array>
