@@ -261,6 +261,11 @@ TEST_CASE("split_data: groups that have one class each, and classes of few group
     }
 }
 
+TEST_CASE("split_data: a class of large groups is tested, though each is more than its share") {
+    const std::vector<std::size_t> labels(16), groups{0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
+    CHECK(split_data(labels, 1, groups, split_rule::grouped, 0).test.size() == 8);
+}
+
 TEST_CASE("split_data: folds by rule and seed") {
     const auto labels = labels_of(3, 52), groups = people_of(3, 13);
     for (const auto& [rule, folds] : {std::pair(split_rule::leave_one_group_out, std::size_t{13}),

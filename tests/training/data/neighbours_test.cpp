@@ -94,3 +94,14 @@ TEST_CASE("compare_neighbours: outliers and classes of one image are left out") 
     CHECK(!report.too_easy());
     CHECK(compare_neighbours({pixels, labels, 2}, size, {}, {}, all).tested == 0);
 }
+
+TEST_CASE("neighbour_report: is too easy from twice the pairs of chance on, by five deviations") {
+    const auto too_easy = [](std::size_t found, std::size_t tested, double expected) {
+        neighbour_report report{.tested = tested, .expected = expected};
+        report.related.resize(found);
+        return report.too_easy();
+    };
+    CHECK(too_easy(13'000, 20'000, 6000));
+    CHECK(!too_easy(7000, 20'000, 6000)); // many deviations, but hardly more than by chance
+    CHECK(!too_easy(9, 20, 3));           // few images
+}
