@@ -97,7 +97,8 @@ TEST_CASE("compare_neighbours: outliers and classes of one image are left out") 
 
 TEST_CASE("neighbour_report: is too easy from twice the pairs of chance on, by five deviations") {
     const auto too_easy = [](std::size_t found, std::size_t tested, double expected) {
-        neighbour_report report{.tested = tested, .expected = expected};
+        neighbour_report report;
+        report.tested = tested, report.expected = expected;
         report.related.resize(found);
         return report.too_easy();
     };
