@@ -72,9 +72,33 @@ def study(name):
         head = "| method | tactels | recipe | random splits, % | blocked splits, % | µs per frame | parameters |"
         return table_of(head, rows(chosen, (1, 2, 3, 4, 6, 8, 11)))
     if name == "compared":
-        chosen = [row for row in methods if row[4] != " " and row[7] != " "]
+        chosen = [row for row in methods if row[4] != " " and row[7] != " " and row[3] != " default "]
         return table_of("| method | tactels | recipe | paper, % | tactnet, % |", rows(chosen, (1, 2, 3, 7, 4)))
     return between("docs/verify/study/study.md", f"study {name}")
+
+
+def paper_methods():
+    """The twelve methods of the paper, with the default recipe. Those without pretrained weights have the time of the network alone."""
+    with open(KEPT / "study.csv", encoding="utf-8") as file:
+        rows = {row["method"]: row for row in csv.DictReader(file)
+                if (row["rows"], row["recipe"]) == ("28", "default") and row["bits"] in ("", "32")}
+    with open(ROOT / "benchmarks/results/zen5/2026-11-24/large_networks.csv", encoding="utf-8") as file:
+        alone = {row["network"]: float(row["tactnet_ms"]) for row in csv.DictReader(file) if row["batch"] == "1"}
+
+    def percent(row, name):
+        mean, deviation = row[f"{name}_accuracy"], row[f"{name}_deviation"]
+        return f"{100 * float(mean):.2f} ± {100 * float(deviation):.2f}" if mean else "–"
+
+    lines = []
+    networks = {"squeezenet": "SqueezeNet", "alexnet": "AlexNet", "resnet50": "ResNet-50", "vgg16": "VGG16"}
+    titles = {"surf-svm": "SURF-SVM", **{f"{name}-{end}": f"{title}-{end.upper()}" for end in ("svm", "nn") for name, title in networks.items()},
+              "tactnet4": "TactNet-4", "tactnet6": "TactNet-6", "tactresnet": "TactResNet"}
+    for method, title in titles.items():
+        row = rows[method]
+        time = f"{float(row['microseconds']) / 1000:.3g}" if row["microseconds"] else f"{alone[method.split('-')[0]]:.3g} ¹"
+        lines.append(f"| {title} | {percent(row, 'published')} | {float(row['published_microseconds']) / 1000:g} | "
+                     f"{percent(row, 'random')} | {percent(row, 'blocked')} | {time} |")
+    return table_of("| method | paper, % | paper, ms | tactnet, random splits, % | blocked splits, % | tactnet, ms |", lines)
 
 
 def speed(name):
@@ -132,6 +156,7 @@ if not CHECK and len(sys.argv) == 3:
 put("docs/choosing.md", "study front", study("front"))
 for table in ("best", "compared", "memory"):
     put("docs/verify/results.md", f"study {table}", study(table))
+put("docs/verify/results.md", "paper methods", paper_methods())
 put("docs/recognise/speed.md", "speed networks", speed("networks"))
 for numbers in ("float", "8 bits"):
     put("docs/recognise/speed.md", f"speed cold {numbers}", speed(f"cold {numbers}"))
