@@ -9,6 +9,7 @@ comments. Tables that are not in study.md are rows and columns of its table of a
 """
 
 import csv
+import math
 import pathlib
 import re
 import shutil
@@ -57,10 +58,15 @@ def table_of(head, rows):
     return "\n".join([head, re.sub(r"[^|]+", " --- ", head), *rows]) + "\n"
 
 
+def study_rows():
+    """The cells of the table of all methods, from 1: method, tactels, recipe, random splits, the same with reflections averaged, blocked
+    splits, paper, µs, p99, ms of the paper, parameters, multiply-adds, training."""
+    return [line.split("|") for line in re.findall("^[|] (?!method )[a-z].*", between("docs/verify/study/study.md", "study methods"), re.M)]
+
+
 def study(name):
-    """A table by its name. Columns of the table of all methods, from 1: method, tactels, recipe, random splits, the same with reflections
-    averaged, blocked splits, paper, µs, p99, ms of the paper, parameters, multiply-adds, training."""
-    methods = [line.split("|") for line in re.findall("^[|] (?!method )[a-z].*", between("docs/verify/study/study.md", "study methods"), re.M)]
+    """A table by its name: rows and columns of the table of all methods."""
+    methods = study_rows()
 
     def rows(chosen, columns):
         return ["|" + "|".join(row[column] for column in columns) + "|" for row in chosen]
@@ -82,8 +88,7 @@ def paper_methods():
     with open(KEPT / "study.csv", encoding="utf-8") as file:
         rows = {row["method"]: row for row in csv.DictReader(file)
                 if (row["rows"], row["recipe"]) == ("28", "default") and row["bits"] in ("", "32")}
-    with open(ROOT / "benchmarks/results/zen5/2026-11-24/large_networks.csv", encoding="utf-8") as file:
-        alone = {row["network"]: float(row["tactnet_ms"]) for row in csv.DictReader(file) if row["batch"] == "1"}
+    alone = {row["network"]: float(row["tactnet_ms"]) for row in read("zen5/2026-11-24/large_networks.csv") if row["batch"] == "1"}
 
     def percent(row, name):
         mean, deviation = row[f"{name}_accuracy"], row[f"{name}_deviation"]
@@ -101,75 +106,143 @@ def paper_methods():
     return table_of("| method | paper, % | paper, ms | tactnet, random splits, % | blocked splits, % | tactnet, ms |", lines)
 
 
+def read(path):
+    with open(ROOT / "benchmarks/results" / path, encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def title(network):
+    return re.sub("tact(net|resnet)([0-9]?)/(.*)x(.*)", lambda m: f"Tact{'Net-' + m[2] if m[1] == 'net' else 'ResNet'} {m[3]} × {m[4]}", network)
+
+
+PROCESSORS = {"Zen 4": "zen4/2026-11-24", "Zen 5": "zen5/2026-11-24", "Xeon with AMX": "xeon/2026-11-27"}
+
+
+def inference(processor, batch="1", kind=""):
+    """What benchmark_inference measured on a processor: its rows by network."""
+    rows = read(f"{PROCESSORS[processor]}/inference{kind}.csv")
+    network, of = list(rows[0])[:2]
+    return {row[network]: row for row in rows if row[of] == batch and re.fullmatch("[a-z0-9]+/[0-9]+x[0-9]+", row[network])}
+
+
 def speed(name):
-    """What benchmark_inference measured at batch 1, from the newest results on each processor."""
-    measured = {}
-    for processor in ("zen4", "zen5"):
-        with open(ROOT / f"benchmarks/results/{processor}/2026-11-24/inference.csv", encoding="utf-8") as file:
-            rows = list(csv.DictReader(file))
-        network, batch = list(rows[0])[:2]
-        measured[processor] = {row[network]: row for row in rows if row[batch] == "1" and re.fullmatch("[a-z0-9]+/[0-9]+x[0-9]+", row[network])}
+    """What benchmark_inference and benchmark_cold measured, from the newest results on each processor."""
     if name == "libraries":
         libraries = {"tactnet": "tactnet_us", "oneDNN 2.6.3, primitives called directly": "onednn_us",
                      "ONNX Runtime 1.30.0, all graph optimisations": "onnxruntime_us", "OpenCV 4.6.0": "opencv_dnn_us",
                      "PyTorch 1.13.0, its C++ functions": "libtorch_us"}
-        row = measured["zen4"]["tactnet6/28x50"]
+        row = inference("Zen 4")["tactnet6/28x50"]
         return "| TactNet-6 at 28 × 50 | µs per frame |\n|---|---|\n" + "".join(f"| {name} | {row[key]} |\n" for name, key in libraries.items())
-    def title(network):
-        return re.sub("tact(net|resnet)([0-9]?)/(.*)x(.*)", lambda m: f"Tact{'Net-' + m[2] if m[1] == 'net' else 'ResNet'} {m[3]} × {m[4]}", network)
-
+    if name == "ratios":
+        lines = []
+        for label, batch, kind in (("one frame", "1", ""), ("batches of 64", "64", ""), ("8 bits, one frame", "1", "_8bit"),
+                                   ("8 bits, batches of 64", "64", "_8bit")):
+            cells = []
+            for processor in PROCESSORS:
+                ratios = {network: float(row["ratio"]) for network, row in inference(processor, batch, kind).items()}
+                least = min(ratios, key=ratios.get)
+                cells.append(f"{math.prod(ratios.values()) ** (1 / len(ratios)):.2f}; {ratios[least]:.2f} ({title(least)})")
+            lines.append(f"| {label} | {' | '.join(cells)} |")
+        return table_of(f"| oneDNN ÷ tactnet: mean; least | {' | '.join(PROCESSORS)} |", lines)
     if name.startswith("cold"):
-        with open(ROOT / "benchmarks/results/zen5/2026-11-28/cold.csv", encoding="utf-8") as file:
-            rows = {(row["network"], row["library"]): row for row in csv.DictReader(file) if row["format"] == name[5:]}
-        table = ("| one frame | packed, kB | tactnet, µs: warm | cold | oneDNN, µs: warm | cold | oneDNN ÷ tactnet: warm | cold |\n"
-                 "|---|---|---|---|---|---|---|---|\n")
+        rows = {(row["network"], row["library"]): row for row in read("zen5/2026-11-28/cold.csv") if row["format"] == name[5:]}
+        lines = []
         for (network, library), ours in rows.items():
             if library == "tactnet":
-                theirs = rows[network, "onednn"]
-                times = [float(row[when]) for row in (ours, theirs) for when in ("warm_us", "cold_us")]
-                cells = [f"{int(ours['packed_bytes']) / 1000:.0f}", *(f"{t:.3g}" for t in times), f"{times[2] / times[0]:.2f}",
-                         f"{times[3] / times[1]:.2f}"]
-                table += f"| {title(network)} | {' | '.join(cells)} |\n"
-        return table
-    table = ("| batch 1 | Zen 4: tactnet, µs | oneDNN, µs | ONNX Runtime, µs | oneDNN ÷ tactnet | Zen 5: tactnet, µs | oneDNN ÷ tactnet |\n"
-             "|---|---|---|---|---|---|---|\n")
-    for network, four in measured["zen4"].items():
-        five = measured["zen5"][network]
-        cells = [four["tactnet_us"], four["onednn_us"], four["onnxruntime_us"], four["ratio"], five["tactnet_us"], five["ratio"]]
-        table += f"| {title(network)} | {' | '.join(cells)} |\n"
-    return table
+                warm, cold, their_warm, their_cold = (float(row[when]) for row in (ours, rows[network, "onednn"]) for when in ("warm_us", "cold_us"))
+                lines.append(f"| {title(network)} | {int(ours['packed_bytes']) / 1000:.0f} | {cold:.3g} | {cold / warm:.1f} | "
+                             f"{their_cold:.3g} | {their_warm / warm:.2f} | {their_cold / cold:.2f} |")
+        return table_of("| one frame | packed, kB | tactnet cold, µs | cold ÷ warm | oneDNN cold, µs | oneDNN ÷ tactnet: warm | cold |", lines)
+    lines = []
+    for network, four in inference("Zen 4").items():
+        cells = [four[f"{library}_us"] for library in ("tactnet", "onednn", "onnxruntime")] + [
+            f"{float(inference(processor)[network]['ratio']):.2f}" for processor in PROCESSORS]
+        lines.append(f"| {title(network)} | {' | '.join(cells)} |")
+    return table_of("| batch 1 | Zen 4: tactnet, µs | oneDNN, µs | ONNX Runtime, µs | oneDNN ÷ tactnet: Zen 4 | Zen 5 | Xeon |", lines)
 
 
-def expect_in_readme(page, pattern, *quotes):
-    """Each of the quotes, in which `{n}` is the n-th group of the pattern, must be in README.md."""
-    found = re.search(pattern, (ROOT / page).read_text())
+def choice():
+    """Networks with the best accuracy for their time: rows of the results on Zen 4, and the study's accuracy of the largest."""
+    page = (ROOT / "benchmarks/results/zen4/2026-11-26/smaller_networks.md").read_text()
+    measured = [[cell.strip() for cell in line.split("|")] for line in re.findall("^[|] tactnet.*", page, re.M)]
+    rows = {f"{cells[1]} at {cells[2]}": cells for cells in measured}
+    lines = []
+    for key, type_name in (("tactnet4-3x3 in 8 bits at 8 × 16", "tactnet4_3x3"), ("tactnet4-strided in 8 bits at 12 × 22", "tactnet4_strided"),
+                           ("tactnet6-economical in 8 bits at 10 × 18", "tactnet6_economical"),
+                           ("tactnet6-symmetric in 8 bits at 14 × 25", "tactnet6_symmetric"),
+                           ("tactnet6-economical in 8 bits, thorough recipe at 18 × 32", "tactnet6_economical"),
+                           ("tactnet6 in 8 bits, thorough recipe at 28 × 50", "tactnet6")):
+        cells = rows[key]
+        recipe = ", thorough recipe" if "thorough" in key else ""
+        lines.append(f"| `{type_name}` in 8 bits{recipe} | {cells[2]} | {cells[6]} | {cells[3]} | {cells[5]} | {cells[7]} |")
+    best = next(cells for cells in study_rows() if cells[1:4] == [" tactnet6 ", " 28 × 50 ", " thorough "])
+    time = float(inference("Zen 4")["tactnet6/28x50"]["tactnet_us"])
+    lines.append(f"| `tactnet6`, thorough recipe | 28 × 50 | {time:.1f} | {best[4].strip()[:-5]} | {best[6].strip()[:-5]} | {best[11].strip()} |")
+    return table_of("| network | tactels | µs per frame | random splits, % | blocked splits, % | parameters |", lines)
+
+
+def sizes():
+    """Accuracy and time of three networks at twenty sizes; time as a share of the largest network's."""
+    rows = {(row["method"], row["rows"], row["columns"]): row for row in read("zen4/2026-11-26/sweep.csv") if row["bits"] == "32"}
+    largest = float(rows["tactnet6-economical", "28", "50"]["microseconds"])
+    lines = []
+    for method, height, width in rows:
+        if method == "tactnet4":
+            line = f"| {height} × {width} | {int(height) * int(width)} "
+            for name in ("tactnet4", "tactnet6-economical", "tactnet4-strided"):
+                row = rows[name, height, width]
+                line += (f"| {100 * float(row['random_accuracy']):.1f}, {100 * float(row['blocked_accuracy']):.1f} "
+                         f"| {float(row['microseconds']) / largest:.2f} ")
+            lines.append(line + "|")
+    return table_of("| size | tactels | TactNet-4, % | time | TactNet-6 economical, % | time | TactNet-4 strided, % | time |", lines)
+
+
+def expect(source, pattern, page, *quotes):
+    """Each of the quotes, in which `{n}` is the n-th group of the pattern in the source, must be on the page."""
+    found = re.search(pattern, (ROOT / source).read_text())
     if not found:
-        sys.exit(f"tables.py: {page}: expected a row '{pattern}' for README.md, found none.")
+        sys.exit(f"tables.py: {source}: expected a row '{pattern}' for {page}, found none.")
+    text = " ".join((ROOT / page).read_text().split())
     for quote in quotes:
         quote = quote.format(found[0], *found.groups())
-        if quote not in (ROOT / "README.md").read_text():
-            sys.exit(f"tables.py: README.md: expected '{quote}', as the tables have it, found none.")
+        if quote not in text:
+            sys.exit(f"tables.py: {page}: expected '{quote}', as the tables have it, found none.")
+
+
+def check_times(time):
+    """Where the words of a page say what TactNet-6 at 28 × 50 takes, they say the time of the study."""
+    for page in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))):
+        for paragraph in page.read_text().split("\n\n"):
+            words = " ".join(paragraph.split())
+            for one, other in re.findall(r"TactNet-6(?! economical)[^;|]{0,90}?\b([0-9]+[.][0-9]+) µs|([0-9]+[.][0-9]+) µs (?:per frame )?for TactNet-6", words):
+                if (one or other) != time:
+                    sys.exit(f"tables.py: {page.relative_to(ROOT)}: expected {time} µs for TactNet-6, as in the study, found {one or other} µs.")
 
 
 if not CHECK and len(sys.argv) == 3:
     take_over(*sys.argv[1:])
-put("docs/choosing.md", "study front", study("front"))
+put("docs/choosing.md", "choice", choice())
+put("docs/verify/study/tactels.md", "sizes", sizes())
 for table in ("best", "compared", "memory"):
     put("docs/verify/results.md", f"study {table}", study(table))
 put("docs/verify/results.md", "paper methods", paper_methods())
-put("docs/recognise/speed.md", "speed networks", speed("networks"))
+for table in ("networks", "ratios"):
+    put("docs/recognise/speed.md", f"speed {table}", speed(table))
 for numbers in ("float", "8 bits"):
     put("docs/recognise/speed.md", f"speed cold {numbers}", speed(f"cold {numbers}"))
 put("docs/choosing.md", "speed libraries", speed("libraries"))
-# The first and the last row of the front, and the microcontroller.
-expect_in_readme(
-    "docs/verify/study/study.md",
-    r"\n[|] tactnet6, thorough recipe [|] 28 × 50 [|] ([0-9.]+) [|] ([0-9.]+) ± ([0-9.]+) [(]20[)] [|] ([0-9.]+) ± ([0-9.]+) ",
-    "TactNet-6 takes {1} µs per frame", "TactNet-6 recognises {4} %", "and {2} % if they are not", "{2} ± {3} %", "{4} ± {5} %",
-)
-expect_in_readme("docs/verify/study/study.md", r"\n[|] tactnet4 in 8 bits [|] 7 × 13 [|] ([0-9.]+) ", "the smallest network {1} µs")
-expect_in_readme(
-    "docs/recognise/deployment.md",
-    r"Cortex-M7 [|] ([0-9.]+) [|] ([0-9.]+) [|]",
-    "{1} kB of flash and {2} kB of RAM on an emulated Cortex-M7",
-)
+# Figures in words.
+large = (r"\n[|] tactnet6, thorough recipe [|] 28 × 50 [|] ([0-9.]+) [|] ([0-9.]+) ± ([0-9.]+) [(]20[)] [|] ([0-9.]+) ± ([0-9.]+) ")
+small = r"\n[|] tactnet4 in 8 bits [|] 7 × 13 [|] ([0-9.]+) "
+page_of_study = "docs/verify/study/study.md"
+expect(page_of_study, large, "README.md", "TactNet-6 takes {1} µs per frame", "TactNet-6 recognises {4} %", "and {2} % if they are not",
+       "{2} ± {3} %", "{4} ± {5} %")
+expect(page_of_study, small, "README.md", "the smallest network {1} µs")
+expect("docs/recognise/deployment.md", r"Cortex-M7 [|] ([0-9.]+) [|] ([0-9.]+) [|]", "README.md",
+       "{1} kB of flash and {2} kB of RAM on an emulated Cortex-M7")
+for page, quote in (("docs/faq.md", "TactNet-6 takes [{1} µs]"), ("docs/recognise/deployment.md", "TactNet-6 takes {1} µs"),
+                    ("docs/recognise/speed.md", "{1} µs for TactNet-6 at 28 × 50"), ("docs/train/transfer.md", "It takes {1} µs per frame"),
+                    ("docs/recognise/eight_bit.md", "| Zen 5, AVX-512 with VNNI, µs per frame | {1} |")):
+    expect(page_of_study, large, page, quote)
+expect(page_of_study, r"\n[|] tactnet6 in 8 bits [|] 28 × 50 [|] ([0-9.]+) ", "docs/faq.md", "and {1} µs in 8 bits")
+check_times(re.search(large, (ROOT / page_of_study).read_text())[1])
