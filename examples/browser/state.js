@@ -4,11 +4,15 @@ const OBJECTS = ['adhesive', 'allen key', 'arm', 'ball', 'bottle', 'box', 'branc
   'finger', 'hand', 'highlighter', 'key', 'pen', 'pliers', 'rock', 'rubber', 'scissors', 'sticky tape', 'tube'];
 const ROWS = 28, COLUMNS = 50, BOARD = 48;
 
-// In the order of networks.hpp. At 28 × 50 the economical form is TactNet-6 itself.
+// Where the page is hosted, such as 'https://example.org/tactnet/'; empty: nowhere. Links that are copied from a file lead there.
+const HOSTED = '';
+
+// In the order of networks.hpp. At 28 × 50 the economical form is TactNet-6 itself. The last two: what the network of the page recognises
+// of the paper's images, in % (docs/browser.md), in single precision and in 8 bits.
 const NETWORKS = [
-  ['TactNet-4', 7, 13], ['TactNet-4', 14, 25], ['TactNet-4', 28, 50], ['TactNet-6', 14, 25], ['TactNet-6', 28, 50],
-  ['economical', 7, 13], ['economical', 10, 18], ['economical', 14, 25],
-].map(([family, rows, columns]) => ({ family, rows, columns }));
+  ['TactNet-4', 7, 13, 73.2, 73.4], ['TactNet-4', 14, 25, 79.7, 79.8], ['TactNet-4', 28, 50, 78.4, 78.4], ['TactNet-6', 14, 25, 88.3, 88.3],
+  ['TactNet-6', 28, 50, 87, 87], ['economical', 7, 13, 74.9, 74.9], ['economical', 10, 18, 82.5, 83.2], ['economical', 14, 25, 86.3, 86.5],
+].map(([family, rows, columns, single, eight]) => ({ family, rows, columns, real: { 32: single, 8: eight } }));
 const FAMILIES = {
   'TactNet-4': { title: 'TactNet-4', networks: [0, 1, 2] },
   'TactNet-6': { title: 'TactNet-6', networks: [3, 4] },

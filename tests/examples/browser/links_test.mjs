@@ -2,10 +2,11 @@
 //
 //     node links_test.mjs STATE_JS
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { resolve } from 'node:path';
 
-const { defaults, spell, read, spellTactels, readTactels, sketchMap } = createRequire(import.meta.url)(resolve(process.argv[2]));
+const { NETWORKS, defaults, spell, read, spellTactels, readTactels, sketchMap } = createRequire(import.meta.url)(resolve(process.argv[2]));
 
 const state = defaults();
 Object.assign(state, { object: 14, touch: 12, place: { x: -3.5, y: 7.2 }, turn: -45, force: 12.5, network: 6, family: 'economical', bits: 8, layer: true, health: false });
@@ -45,4 +46,10 @@ for (const [mangled, sentence] of [
 const map = sketchMap([[[24, 24]]]);
 assert.equal(map[24 * 48 + 24], 0, 'the lowest point of the pen');
 assert.ok(map[24 * 48 + 25] > 0 && map[0] === -1);
+
+// The page of documentation has the same figures: accuracies on real images, and the size that the page states.
+const docs = new URL('../../../docs/', import.meta.url), text = (name) => readFileSync(new URL(name, docs), 'utf8'), figures = text('browser.md');
+for (const { family, rows, columns, real } of NETWORKS)
+  assert.match(figures, new RegExp(`\n\\| ${family}, ${rows} × ${columns} \\|[^|]*\\|[^|]*\\| ${real[32].toFixed(1)} \\| ${real[8].toFixed(1)} \\|`));
+assert.ok(figures.includes(`| the page, compressed | ${/file of (\d+) kB/.exec(text('browser/index.html'))[1]} kB:`), 'the size of the page');
 console.log('links: all as expected');
