@@ -9,6 +9,7 @@ comments. Tables that are not in study.md are rows and columns of its table of a
 """
 
 import csv
+import json
 import math
 import pathlib
 import re
@@ -209,6 +210,20 @@ def expect(source, pattern, page, *quotes):
             sys.exit(f"tables.py: {page}: expected '{quote}', as the tables have it, found none.")
 
 
+def check_confusion():
+    """What results.md says of the confusion matrix of TactNet-6."""
+    with tarfile.open(ROOT / "benchmarks/results/zen5/2026-11-24/study.tar.xz") as archive:
+        found = [row for row in map(json.loads, archive.extractfile("evaluation.jsonl").read().splitlines())
+                 if [row["settings"].get(key, "32") for key in ("network", "recipe", "rows", "bits")] == ["tactnet6", "default", "28", "32"]]
+    counts, classes = [sum(cells) for cells in zip(*(row["confusion"] for row in found))], found[0]["classes"]
+    pen, tube = 15, 21
+    tubes, pens, errors = counts[tube * classes + pen], counts[pen * classes + tube], sum(counts) - sum(counts[::classes + 1])
+    words = " ".join((ROOT / "docs/verify/results.md").read_text().split())
+    sentence = f"{tubes} are taken for a pen, and {pens} of 400 pens for a tube. These are {tubes + pens} of all {errors} errors."
+    if sentence not in words:
+        sys.exit(f"tables.py: docs/verify/results.md: expected '{sentence}', found none.")
+
+
 def check_times(time):
     """Where the words of a page say what TactNet-6 at 28 × 50 takes, they say the time of the study."""
     for page in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))):
@@ -245,4 +260,7 @@ for page, quote in (("docs/faq.md", "TactNet-6 takes [{1} µs]"), ("docs/recogni
                     ("docs/recognise/eight_bit.md", "| Zen 5, AVX-512 with VNNI, µs per frame | {1} |")):
     expect(page_of_study, large, page, quote)
 expect(page_of_study, r"\n[|] tactnet6 in 8 bits [|] 28 × 50 [|] ([0-9.]+) ", "docs/faq.md", "and {1} µs in 8 bits")
+for row in ("random images", "blocked: consecutive images", "a person left out"):
+    expect("docs/verify/honest_tests.md", rf"[|] {row} [|] ([0-9.]+) ", "docs/verify/results.md", f"| {row} | {{1}} |")
+check_confusion()
 check_times(re.search(large, (ROOT / page_of_study).read_text())[1])
