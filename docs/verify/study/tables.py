@@ -260,6 +260,8 @@ for page, quote in (("docs/faq.md", "TactNet-6 takes [{1} µs]"), ("docs/recogni
                     ("docs/recognise/eight_bit.md", "| Zen 5, AVX-512 with VNNI, µs per frame | {1} |")):
     expect(page_of_study, large, page, quote)
 expect(page_of_study, r"\n[|] tactnet6 in 8 bits [|] 28 × 50 [|] ([0-9.]+) ", "docs/faq.md", "and {1} µs in 8 bits")
+expect("docs/verify/honest_tests.md", r"[|] random images [|] ([0-9.]+)[^\n]*\n.*\n[|] a person left out [|] ([0-9.]+)", "README.md",
+       "in {2} % of the frames of people", "and in {1} % on a random split")
 for row in ("random images", "blocked: consecutive images", "a person left out"):
     expect("docs/verify/honest_tests.md", rf"[|] {row} [|] ([0-9.]+) ", "docs/verify/results.md", f"| {row} | {{1}} |")
 check_confusion()
