@@ -1,4 +1,4 @@
-"""The pages: README, CONTRIBUTING, SECURITY, examples/README and docs/.
+"""The pages: README, CONTRIBUTING, SECURITY, examples/README, benchmarks/README and docs/.
 
 python3 pages.py units SOURCE_FOLDER TO     writes the C++ and the scripts of the pages as files, and lists programs and other units
 python3 pages.py links SOURCE_FOLDER        what they link to is there
@@ -10,7 +10,7 @@ import re
 import sys
 import tempfile
 
-ALONE = ("README.md", "CONTRIBUTING.md", "SECURITY.md", "examples/README.md")
+ALONE = ("README.md", "CONTRIBUTING.md", "SECURITY.md", "examples/README.md", "benchmarks/README.md")
 
 
 def pages_of(root):
