@@ -26,7 +26,7 @@ KEPT = ROOT / "docs/verify/study"
 def take_over(results, archive):
     results = pathlib.Path(results)
     shutil.copy(results / "study.csv", KEPT)
-    page = (results / "study.md").read_text()
+    page = re.sub("^# .*", "# All methods: the tables of the study", (results / "study.md").read_text())
     (KEPT / "study.md").write_text(re.sub(r"\n!\[.*\n\n.*\n", "", page))  # docs/pictures has pictures in the pages' style
     with tarfile.open(archive, "w:xz", format=tarfile.GNU_FORMAT) as file:
         for name in ("evaluation.jsonl", "timings.jsonl", "study.jsonl"):
