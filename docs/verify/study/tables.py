@@ -225,9 +225,14 @@ def check_confusion():
 
 
 def check_times(time):
-    """Where the words of a page say what TactNet-6 at 28 × 50 takes, they say the time of the study."""
+    """Where the words of a page say what TactNet-6 at 28 × 50 takes, they say the time of the study; each section names what it was timed on."""
     for page in (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))):
-        for paragraph in page.read_text().split("\n\n"):
+        text = re.sub("^```.*?^```", "", page.read_text(), flags=re.M | re.S)
+        for section in re.split("\n(?=#)", text):
+            found = re.search(r"[0-9] (µs|ms)\b.*", section)
+            if found and not re.search("Zen|Xeon|EPYC|Cortex|machine", section):
+                sys.exit(f"tables.py: {page.relative_to(ROOT)}: expected the processor of '{found[0]}' in its section, found none.")
+        for paragraph in text.split("\n\n"):
             words = " ".join(paragraph.split())
             for one, other in re.findall(r"TactNet-6(?! economical)[^;|]{0,90}?\b([0-9]+[.][0-9]+) µs|([0-9]+[.][0-9]+) µs (?:per frame )?for TactNet-6", words):
                 if (one or other) != time:
