@@ -83,7 +83,15 @@ def same_bits(program):
     message(ValueError, lambda: single.scores(frames[:, :5]), "14 x 25", "(60, 5, 25)")
     message(tactnet.FileError, lambda: network.load("scores_8.safetensors"), "scores_8.safetensors", "single precision")
     message(ValueError, lambda: network.fit(frames, labels + 3), "images: expected labels below 5, found 5")
-    message(ValueError, lambda: network.fit(frames, labels, epoch=3), "'epoch'")
+    for wrong, *parts in ((dict(labels=labels + 0.7), "float64"), (dict(labels=labels - 1), "from -1 on"), (dict(labels=labels[:, None]), "(60, 1)"),
+                          (dict(frames=frames + 1j), "complex128"), (dict(frames=frames.astype(str)), "real numbers"), (dict(validation=[1.7]), "mask", "float64"),
+                          (dict(validation=[-1]), "from -1 on"), (dict(classes=list("aabcd")), "each once"), (dict(classes=["a", "b\n", "c", "d", "e"]), "each once"),
+                          (dict(classes=list("abcd") + [""]), "''"), (dict(epoch=3), "'epoch'")):
+        message(ValueError, lambda: network.fit(**{"frames": frames, "labels": labels, **wrong}), *parts)
+    mask = numpy.arange(60) % 7 == 0
+    assert tactnet.Network.named("tactnet4", (14, 25), 5).fit(frames, labels, epochs=2, validation=mask).to_bytes() == network.to_bytes()
+    for path in ("/dev/full", "."):
+        message(OSError, lambda: network.save(path), "expected a file")
     message(tactnet.TrainingDiverged, lambda: network.fit(frames, labels, rate=1e30), "lower the learning rate")
 
 
@@ -130,7 +138,9 @@ def networks(_):
             "conv2d: the kernel is larger than the padded input", "PaddedRows = 2", "KernelRows = 3")
     message(tactnet.CompilationFailed, lambda: tactnet.Network((7, 13), [Cpp("conv3d<2>")]).parameters, "conv3d")
     message(ValueError, lambda: tactnet.Network((7, 13), [Dense(2)]).deploy(), "trained network")
-    for wrong in (lambda: Dense(0), lambda: Conv2d(2, 3, padding=(1, 2)), lambda: tactnet.Network((7,), [Dense(2)]), lambda: tactnet.Network.named("tactnet5", (7, 13), 2)):
+    for shape in (sequences.transpose(0, 2, 1, 3), sequences[:, :, :-1], None):
+        message(ValueError, lambda: network.stream(bits=8, sequences=shape), "(n, 4, 12)")
+    for wrong in (lambda: Dense(0), lambda: LeakyReLU(0.0015), lambda: network.stream(bits=16), lambda: tactnet.Network.named("tactnet6", (2 ** 32, 2 ** 32), 2), lambda: Conv2d(2, 3, padding=(1, 2)), lambda: tactnet.Network((7,), [Dense(2)]), lambda: tactnet.Network.named("tactnet5", (7, 13), 2)):
         message(ValueError, wrong, "expected", "found")
 
 

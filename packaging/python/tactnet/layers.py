@@ -55,6 +55,8 @@ def branch(value) -> str:
 
 
 def thousandths(value) -> str:
+    if abs(value - round(1000 * value) / 1000) > 1e-9:
+        raise ValueError(f"expected a number of whole thousandths, found {value!r}")
     return number(round(1000 * value))
 
 

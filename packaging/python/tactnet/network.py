@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import concurrent.futures
+import math
 import os
 import re
 from typing import Iterable, Optional, Sequence, Tuple
@@ -121,13 +122,18 @@ class Network:
         batch=64, translation=2, augmentation="none". The same seed gives the same bits on any number of threads.
         `report(epoch, epochs, loss, accuracy)` is called after each epoch.
         """
-        labels = numpy.asarray(labels)
-        frames = numpy.asarray(frames)
-        if len(labels) != len(frames):
-            raise ValueError(f"expected a label for each of {len(frames)} frames, found {len(labels)}")
+        frames, labels, chosen = numpy.asarray(frames), numpy.asarray(labels), numpy.asarray(validation)
+        if labels.shape != (len(frames),) or labels.dtype.kind not in "iub" or (labels < 0).any():
+            raise ValueError(f"expected a label for each of {len(frames)} frames, a whole number from 0 on, found {_what(labels)}")
+        if frames.dtype.kind not in "iubfO":
+            raise ValueError(f"expected frames of real numbers, found {_what(frames)}")
         names = [f"class_{i:02}" for i in range(self.outputs)] if classes is None else [str(name) for name in classes]
+        if len(set(names)) < len(names) or any(not name or re.search(r"[\x00-\x1f\x7f-\x9f\ud800-\udfff]", name) for name in names):
+            raise ValueError(f"classes: expected names without control characters, each once, found {names!r:.200}")
+        if chosen.size and (chosen.dtype.kind not in "iub" or (chosen < 0).any()):
+            raise ValueError(f"validation: expected indices of frames, or a mask, found {_what(chosen)}")
         kept = numpy.zeros(len(frames), bool)
-        kept[numpy.asarray(validation, int)] = True
+        kept[chosen if chosen.size else []] = True
         code, core = self.compile("trainable"), build.core()
         own = core.Recipe(recipe, *code.input_shape[:2])
         for name, value in settings.items():
@@ -195,8 +201,13 @@ class Network:
         """A network of sequences, frame by frame. In 8 bits its ranges are found from training sequences (n, features, frames)."""
         model = self._trained()
         self.compile("stream")
+        frames, _, features = self.input_shape
         if bits == 8:
+            if numpy.shape(sequences)[1:] not in ((features, frames), (features, frames, 1)):
+                raise ValueError(f"expected training sequences (n, {features}, {frames}), found shape {numpy.shape(sequences)}")
             return model.stream_in_8_bits(numpy.ascontiguousarray(sequences, numpy.float32))
+        if bits != 32:
+            raise ValueError(f"expected 32 or 8 bits, found {bits}")
         return model.stream()
 
 
@@ -243,7 +254,13 @@ def _shape(size: Sequence[int]) -> str:
     extents = [whole(n) for n in size]
     if len(extents) not in (2, 3):
         raise ValueError(f"expected a size (rows, columns) or (rows, columns, channels), found {size!r}")
+    if math.prod(extents) > 2 ** 30:
+        raise ValueError(f"expected a size of at most 2^30 numbers, found {size!r}")
     return f"shape{{{', '.join(map(str, extents[:2] if extents[2:] in ([], [1]) else extents))}}}"
+
+
+def _what(array) -> str:
+    return f"{array.dtype} of shape {array.shape}" + (f" from {array.min()} on" if array.size and array.dtype.kind in "iu" else "")
 
 
 def _counts(frames):
