@@ -21,7 +21,9 @@ using tactnet::file_error;
 /// A ZIP archive (PKWARE's APPNOTE, 4.3): a directory at its end says where entries are.
 class zip_archive {
 public:
-    zip_archive(std::string file, std::span<const std::byte> bytes) : file_(std::move(file)), bytes_(bytes) {
+    /// Of which entries have at most `largest` bytes together.
+    zip_archive(std::string file, std::span<const std::byte> bytes, std::size_t largest)
+        : file_(std::move(file)), bytes_(bytes), left_(largest) {
         const std::size_t end = text(0, bytes.size(), "").rfind("PK\5\6");
         require(end != std::string_view::npos, "", "a directory at the end of the archive", "none");
         entries_ = number<std::uint16_t>(end + 10);
@@ -43,9 +45,11 @@ public:
         require(text(head, 30, name).starts_with("PK\3\4"), name, "its head", "other bytes");
         const std::size_t data =
             std::size_t{head} + 30 + number<std::uint16_t>(head + 26) + number<std::uint16_t>(head + 28);
-        require(size <= largest_entry, name, "at most " + std::to_string(largest_entry) + " bytes",
-                std::to_string(size));
+        require(size <= left_, name, "at most " + std::to_string(left_) + " bytes", std::to_string(size));
+        left_ -= size;
         const std::string_view from = text(data, packed, name);
+        require(size / most_inflated <= packed, name, "at most 1032 bytes for each that is packed",
+                std::to_string(size) + " for " + std::to_string(packed));
         contents.resize(size);
         if (method == 0 && packed == size)
             std::copy_n(reinterpret_cast<const std::byte*>(from.data()), size, contents.begin());
@@ -58,7 +62,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t largest_entry = std::size_t{1} << 30;
+    static constexpr std::size_t most_inflated = 1032; ///< bytes of one of deflate
 
     void require(bool holds, const std::string& place, const std::string& expected,
                  const std::string& found) const {
@@ -91,7 +95,7 @@ private:
 
     std::string file_;
     std::span<const std::byte> bytes_;
-    std::size_t entries_ = 0, at_ = 0;
+    std::size_t entries_ = 0, at_ = 0, left_;
 };
 
 /// Whether the head of an NPY array states two or three dimensions; labels have one.
@@ -106,12 +110,12 @@ bool has_frames(std::span<const std::byte> npy) {
 
 } // namespace
 
-std::vector<std::byte> read_recording_file(const std::filesystem::path& path) {
+std::vector<std::byte> read_recording_file(const std::filesystem::path& path, std::size_t largest) {
     std::vector<std::byte> bytes = tactnet::read_file(path), result;
     const std::string_view begin(reinterpret_cast<const char*>(bytes.data()),
                                  std::min<std::size_t>(bytes.size(), 4));
     if (begin == "PK\3\4") {
-        zip_archive archive(path.string(), bytes);
+        zip_archive archive(path.string(), bytes, largest);
         for (std::vector<std::byte> entry; archive.next(entry);)
             if (has_frames(entry))
                 result.insert(result.end(), entry.begin(), entry.end());

@@ -117,6 +117,17 @@ TEST_CASE("calibration: gains of an equilibration make its frame even") {
     CHECK_THROWS_AS(static_cast<void>(equilibration_gains(mean, description)), std::invalid_argument);
     CHECK_THROWS_AS(static_cast<void>(equilibration_gains(std::vector<float>(3, 1.0F), description)),
                     std::invalid_argument);
+    const std::vector<float> infinite{50, std::numeric_limits<float>::infinity(), 0, 150},
+        least{1e38F, 1e-38F, 0, 1};
+    description.mask = {1, 1, 0, 1};
+    CHECK_THROWS_AS(static_cast<void>(equilibration_gains(infinite, description)), std::invalid_argument);
+    constexpr float most = std::numeric_limits<float>::max(), nan = std::numeric_limits<float>::quiet_NaN();
+    CHECK(equilibration_gains(least, description)[1] == most);
+    // A broken cell stays one; pressures are finite.
+    CHECK(even.to_pascal(std::vector<float>{nan, most, 0, 1}, pascal));
+    CHECK(std::isnan(pascal[0]));
+    CHECK(calibration({.saturation_pressure = 1e300, .full_scale = 1e-300}).to_pascal(least, pascal));
+    CHECK(pascal == std::vector<float>{most, most, 0, most});
     // Gains of another size change nothing.
     std::vector<float> three(3), to(3, -1.0F);
     CHECK(!even.to_pascal(three, to));
@@ -140,6 +151,9 @@ TEST_CASE("calibration: a recording that names its saturation pressure") {
     std::array<float, 1> pascal{};
     CHECK(found->to_pascal(counts, pascal));
     CHECK(pascal[0] == 200);
+    description.full_scale = 1000;
+    CHECK(calibration::from(description)->to_pascal(counts, pascal));
+    CHECK(pascal[0] == 51);
     description.unit = tactnet::pressure_unit::pascal;
     CHECK(!calibration::from(description));
 }

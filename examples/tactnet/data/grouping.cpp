@@ -7,6 +7,7 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/model_description.hpp>
 #include <tactnet/io/read_file.hpp>
+#include <tactnet/sensors/text/measures.hpp>
 #include <tactnet/text/message.hpp>
 
 #include <fmt/ranges.h>
@@ -15,7 +16,6 @@
 #include <array>
 #include <map>
 #include <regex>
-#include <set>
 #include <string_view>
 
 namespace {
@@ -94,10 +94,12 @@ std::vector<table_row> read_table(const std::string& file) {
     check_no_device(file);
     const auto bytes = tactnet::read_file(file, std::size_t{1} << 28);
     const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    if (!tactnet::is_utf8(text))
+    if (!tactnet::is_utf8(text) || text.find('\0') != std::string::npos) // which ends the name of a file
         throw tactnet::file_error(file, "", "a table in UTF-8", "other bytes");
     const std::vector<csv_row> rows = rows_of_csv(text, file);
-    const std::vector<std::string> head = rows.empty() ? std::vector<std::string>{} : rows[0].cells;
+    std::vector<std::string> head = rows.empty() ? std::vector<std::string>{} : rows[0].cells;
+    for (std::string& name : head) // " Split" is meant as split
+        name = tactnet::detail::lower_case(std::string(tactnet::trimmed(name)));
     const auto place_of = [&](std::string_view name) {
         return static_cast<std::size_t>(std::ranges::find(head, name) - head.begin());
     };
@@ -109,6 +111,13 @@ std::vector<table_row> read_table(const std::string& file) {
                                   : place_of("path") == head.size()
                                       ? tactnet::in_quotes(fmt::format("{}", fmt::join(head, ",")))
                                       : "no image");
+    std::array<std::size_t, table_columns.size()> places{};
+    for (std::size_t c = 0; c < places.size(); ++c) {
+        places[c] = place_of(table_columns[c]);
+        if (std::ranges::count(head, table_columns[c]) > 1)
+            throw tactnet::file_error(file, "line 1", fmt::format("one column {}", table_columns[c]),
+                                      "several");
+    }
     std::vector<table_row> found;
     std::map<std::string, std::size_t> lines; // of paths
     for (std::size_t r = 1; r < rows.size(); ++r) {
@@ -118,13 +127,14 @@ std::vector<table_row> read_table(const std::string& file) {
                                       fmt::to_string(rows[r].cells.size()));
         table_row& row = found.emplace_back(table_row{rows[r].line, {}});
         for (std::size_t c = 0; c < table_columns.size(); ++c)
-            if (place_of(table_columns[c]) < head.size()) {
-                row.cells[c] = rows[r].cells[place_of(table_columns[c])];
+            if (places[c] < head.size()) {
+                row.cells[c] = rows[r].cells[places[c]];
                 if (row.cells[c]->empty())
                     throw tactnet::file_error(file, place, fmt::format("a {}", table_columns[c]),
                                               "an empty cell");
             }
-        if (const auto [first, is_new] = lines.try_emplace(*row.cells[0], row.line); !is_new)
+        const std::string path = std::filesystem::path(*row.cells[0]).lexically_normal().string();
+        if (const auto [first, is_new] = lines.try_emplace(path, row.line); !is_new)
             throw tactnet::file_error(file, place, "each image once",
                                       fmt::format("{}, which is in line {} already",
                                                   tactnet::in_quotes(*row.cells[0]), first->second));
@@ -146,16 +156,19 @@ image_list images_of_table(const std::filesystem::path& folder, const std::strin
                     tactnet::in_quotes(path.string()));
             row.cells[1] = path.begin()->string();
         }
-    std::set<std::string> labels;
+    std::map<std::string, std::size_t> labels;
     for (const table_row& row : rows)
-        labels.insert(*row.cells[1]);
-    list.folder.classes.assign(labels.begin(), labels.end());
+        labels.emplace(*row.cells[1], 0);
+    for (auto& [name, label] : labels) {
+        label = list.folder.classes.size();
+        list.folder.classes.push_back(name);
+    }
     if (const std::string problem = tactnet::detail::problem_of_names(list.folder.classes); !problem.empty())
         throw tactnet::file_error(file, "column 'label'", std::string(tactnet::detail::expected_names),
                                   problem);
     if (labels.size() < 2)
         throw tactnet::file_error(file, "column 'label'", "at least two classes",
-                                  "only " + tactnet::in_quotes(*labels.begin()));
+                                  "only " + tactnet::in_quotes(labels.begin()->first));
     // By class, as a folder is read; within a class in the order of the table, which is that of recording.
     std::ranges::stable_sort(rows, {},
                              [](const table_row& row) -> const std::string& { return *row.cells[1]; });
@@ -163,9 +176,7 @@ image_list images_of_table(const std::filesystem::path& folder, const std::strin
     tactnet::data_split given;
     for (const table_row& row : rows) {
         const std::size_t image = list.folder.files.size();
-        list.folder.files.push_back(
-            {folder / *row.cells[0],
-             static_cast<std::size_t>(std::distance(labels.begin(), labels.find(*row.cells[1])))});
+        list.folder.files.push_back({folder / *row.cells[0], labels.at(*row.cells[1])});
         if (row.cells[2])
             groups.push_back(*row.cells[2]);
         if (!row.cells[3])

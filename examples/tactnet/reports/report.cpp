@@ -9,7 +9,7 @@
 std::string csv_field(std::string_view text) {
     // A spreadsheet runs what begins with one of these; the apostrophe makes it text.
     const bool runs = !text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos;
-    if (text.find_first_of(",\"\r\n") == std::string_view::npos)
+    if (text.find_first_of(",;\"\r\n") == std::string_view::npos)
         return (runs ? "'" : "") + std::string(text);
     std::string quoted = runs ? "\"'" : "\"";
     for (const char c : text)

@@ -4,8 +4,10 @@
 #include <tactnet/sensors/tekscan_6077.hpp>
 #include <tactnet/text/message.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,6 +19,13 @@
 // tactel differs from the mean. Counts within the noise are no contact.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
+
+namespace detail {
+/// The nearest finite float of a number above zero.
+[[nodiscard]] inline float to_float(double value) noexcept {
+    return static_cast<float>(std::min(value, static_cast<double>(std::numeric_limits<float>::max())));
+}
+} // namespace detail
 
 /// Parameters of a calibration. Their defaults change nothing.
 struct calibration_values {
@@ -43,11 +52,13 @@ public:
     }
 
     /// Creates the calibration that a recording describes. Returns nothing if it is in pascal or has no
-    /// saturation pressure. The noise threshold of a recording has already been applied.
+    /// saturation pressure. The noise threshold of a recording has already been applied. Without a full scale
+    /// of the recording, it is 255.
     [[nodiscard]] static std::optional<calibration> from(const recording_description& description) {
         if (description.unit != pressure_unit::raw || !(description.saturation_pressure.value_or(0) > 0))
             return std::nullopt;
-        return calibration({.saturation_pressure = *description.saturation_pressure});
+        return calibration({.saturation_pressure = *description.saturation_pressure,
+                            .full_scale = description.full_scale.value_or(255)});
     }
 
     /// Creates the calibration of a 6077. The published reader has a `full_scale` of 256.
@@ -56,8 +67,8 @@ public:
             {.saturation_pressure = tekscan_6077::saturation_pressure, .full_scale = full_scale});
     }
 
-    /// Writes the pressure on each cell to `to`. If the sizes of `counts`, `to` and the gains differ, returns
-    /// false and writes nothing.
+    /// Writes the pressure on each cell to `to`: at most the largest float, NaN of a broken cell. If the
+    /// sizes of `counts`, `to` and the gains differ, returns false and writes nothing.
     [[nodiscard]] bool to_pascal(std::span<const float> counts, std::span<float> to) const noexcept {
         if (counts.size() != to.size() || (!values_.gains.empty() && values_.gains.size() != to.size()))
             return false;
@@ -65,7 +76,9 @@ public:
         for (std::size_t i = 0; i < to.size(); ++i) {
             const double gain = values_.gains.empty() ? 1 : static_cast<double>(values_.gains[i]);
             const auto count = static_cast<double>(counts[i]);
-            to[i] = count > values_.noise_threshold ? static_cast<float>(count * gain * scale) : 0.0f;
+            to[i] = count <= values_.noise_threshold ? 0.0f
+                    : std::isnan(count)              ? counts[i]
+                                                     : detail::to_float(count * gain * scale);
         }
         return true;
     }
@@ -84,7 +97,7 @@ private:
 
 /// Computes the gains that equalise the mean frame of a recording under even pressure: the mean over all
 /// tactels divided by each tactel. Cells without a tactel get 1. Throws std::invalid_argument if a tactel is
-/// zero.
+/// zero or not finite.
 [[nodiscard]] inline std::vector<float> equilibration_gains(std::span<const float> mean_frame,
                                                             const recording_description& description) {
     if (mean_frame.size() != description.cells())
@@ -95,7 +108,7 @@ private:
     for (std::size_t i = 0; i < mean_frame.size(); ++i) {
         if (!description.exists(i))
             continue;
-        if (!(mean_frame[i] > 0))
+        if (!(mean_frame[i] > 0 && std::isfinite(mean_frame[i])))
             detail::throw_invalid_argument(
                 {"equilibration_gains: expected a count above zero in every tactel, found ",
                  std::to_string(mean_frame[i]), " in cell ", i});
@@ -106,7 +119,7 @@ private:
     for (std::size_t i = 0; i < gains.size(); ++i)
         if (description.exists(i))
             gains[i] =
-                static_cast<float>(sum / static_cast<double>(tactels) / static_cast<double>(mean_frame[i]));
+                detail::to_float(sum / static_cast<double>(tactels) / static_cast<double>(mean_frame[i]));
     return gains;
 }
 

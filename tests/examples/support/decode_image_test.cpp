@@ -340,6 +340,14 @@ TEST_SUITE("examples/decode_image") {
             }
         }
         CHECK(refused > 2 * archive.size());
+        // Few bytes that become many: all entries together have a limit, and deflate has one.
+        CHECK(read(archive) == array);
+        CHECK_NOTHROW(static_cast<void>(read_recording_file(folder / "file", 69 + 77)));
+        CHECK_THROWS_WITH_AS(static_cast<void>(read_recording_file(folder / "file", 69 + 76)),
+                             doctest::Contains("entry 'a': expected at most 76 bytes, found 77"), file_error);
+        archive[archive.rfind("PK\1\2") + 26] = 2;
+        CHECK_THROWS_WITH_AS(static_cast<void>(read(archive)), doctest::Contains("found 131149 for 74"),
+                             file_error);
     }
 
     TEST_CASE("decode_image: PNG that is not an opaque image of 8-bit greys") {

@@ -70,9 +70,28 @@ TEST_SUITE("program") {
             write(line);
             says(shop.run(train).error, sentence);
         }
-        tactnet::write_file(shop / "t.csv", std::string("file,label\n"));
-        shop.refuses(train,
-                     "t.csv: line 1: expected columns path, label, group, split, of which path is needed");
+        for (const std::string same : {"./left/image1.png", "left//image1.png", "left/x/../image1.png"}) {
+            write(same + ",p0,test\n");
+            shop.refuses(train, "which is in line 3 already");
+        }
+        using namespace std::string_literals;
+        for (const auto& [table, sentence] :
+             {std::pair("file,label\n"s,
+                        "t.csv: line 1: expected columns path, label, group, split, of which path is needed"),
+              {"path,label,Label \na,b,c\n"s, "t.csv: line 1: expected one column label, found several"},
+              {"path,label\na\0b,c\n"s, "t.csv: expected a table in UTF-8, found other bytes"},
+              {" Path, SPLIT\na/b,exam\nc/d,test\n"s,
+               "line 2, column 'split': expected training, validation"}}) {
+            tactnet::write_file(shop / "t.csv", table);
+            shop.refuses(train, sentence);
+        }
+        std::string classes = "path,label\n"; // linear in their number
+        for (std::size_t i = 0; i < 100'000; ++i)
+            classes += std::to_string(i) + "," + std::to_string(i) + "\n";
+        tactnet::write_file(shop / "t.csv", classes);
+        const auto begin = std::chrono::steady_clock::now();
+        shop.refuses(train, "/0: expected a file, found nothing of that name");
+        CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(20));
     }
 
     TEST_CASE("check: few images, unlike classes and hidden folders are warnings") {
@@ -121,5 +140,14 @@ TEST_SUITE("program") {
         REQUIRE(lines.size() == 25);
         CHECK(lines[0] == "path,group,label,prediction,p left,\"p middle, of all\",p right");
         CHECK(lines[1].starts_with("left/image0.png,,left,"));
+    }
+
+    TEST_CASE("classify: what a spreadsheet would run or split is a text in one cell") {
+        const workshop shop;
+        shop.trains("--epochs 1 --output net");
+        for (const auto& [path, field] : {std::pair("=1.png", "'=1.png,"), {"b;=1.png", "\"b;=1.png\","}}) {
+            fs::copy_file(shop.image(), shop / path);
+            CHECK(shop.succeeds({"classify", "--weights", "net", "--", path}).out.starts_with(field));
+        }
     }
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 using tactnet::parse_sensor, tactnet::sensor_description;
 
@@ -66,7 +67,12 @@ TEST_CASE("description: what cannot be is a sentence with the field, expected an
           "mat.json: description, byte 40: expected true or false, found '1'");
     CHECK(sentence(R"({"rows": 2, "colums": 2})")
               .starts_with("mat.json: field 'colums': expected one of: rows, "));
-    CHECK_THROWS_WITH_AS(tactnet::require_valid({.rows = 1, .columns = 1, .full_scale = -1.0}),
-                         "sensor description: 'full_scale': expected a number above zero, found -1.000000",
-                         std::invalid_argument);
+    for (const double value : {-1.0, 0.0, 1e-31, 1e31})
+        CHECK(
+            sentence(R"({"rows": 1, "columns": 1, "full_scale": )" + tactnet::shortest_number(value) + "}") ==
+            "mat.json: field 'full_scale': expected 1e-30 to 1e30, found " + tactnet::shortest_number(value));
+    CHECK_NOTHROW(tactnet::require_valid({.rows = 1, .columns = 1, .broken = std::vector<double>(256, 1)}));
+    CHECK_THROWS_WITH_AS(
+        tactnet::require_valid({.rows = 1, .columns = 1, .broken = std::vector<double>(257, 1)}),
+        "sensor description: 'broken': expected at most 256 values, found 257", std::invalid_argument);
 }

@@ -176,7 +176,6 @@ private:
         return detail::bits_as<Cell>(value);
     }
 
-    /// Negative counts of integers are zero.
     template <class Cell, bool Swap>
     std::size_t read_integers(const std::byte* from, float* to) const {
         if (checks_)
@@ -190,16 +189,18 @@ private:
                 to[i] = static_cast<float>(load<Cell, Swap>(from, i));
             return cells;
         }
+        bool negative = false;
         for (std::size_t i = 0; i < cells; ++i) {
             const exact count = sign * (static_cast<exact>(load<Cell, Swap>(from, i)) - offset);
+            negative |= count < 0;
             to[i] = static_cast<float>(count < 0 ? exact{0} : count) + 0.0F; // no -0
         }
-        return cells;
+        return negative && !clamps_ ? read_checked<Cell, Swap>(from, to) : cells;
     }
     template <class Cell, bool Swap>
     std::size_t read_checked(const std::byte* from, float* to) const {
         for (std::size_t i = 0; i < cells_; ++i)
-            if (!count(static_cast<double>(load<Cell, Swap>(from, i)), to[i]) && !std::is_integral_v<Cell>)
+            if (!count(static_cast<double>(load<Cell, Swap>(from, i)), to[i]))
                 return i;
         return cells_;
     }

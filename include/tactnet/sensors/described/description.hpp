@@ -103,12 +103,12 @@ struct sensor_description {
     /// zero is zero.
     double offset = 0;
     bool inverted = false;
-    /// Without an offset, a negative float or number in a text is damage, unless this is set.
+    /// Without an offset, a negative value is damage, unless this is set.
     bool negative_is_zero = false;
     std::optional<double> full_scale{};          ///< the largest count; larger ones are kept
     std::optional<double> full_scale_pressure{}; ///< pascal at full_scale
     bool in_pascal = false;                      ///< counts are pascals
-    /// Values, before the offset, that mark a broken cell; infinity and NaN are possible.
+    /// Values, before the offset, that mark a broken cell, at most 256; infinity and NaN are possible.
     std::vector<double> broken{std::numeric_limits<double>::quiet_NaN()};
     std::optional<double> broken_above{};                  ///< larger values mark a broken cell, too
     std::optional<double> row_spacing{}, column_spacing{}; ///< of the frame: metres
@@ -185,8 +185,10 @@ inline constexpr std::size_t largest_packet_part = std::size_t{1} << 22;
           std::pair("seconds_per_tick", d.seconds_per_tick),
           std::pair("seconds_per_frame", d.seconds_per_frame), std::pair("row_spacing", d.row_spacing),
           std::pair("column_spacing", d.column_spacing)})
-        if (value && !(*value > 0 && std::isfinite(*value)))
-            return problem(name, {"a number above zero"}, {std::to_string(*value)});
+        if (value && !(*value >= 1e-30 && *value <= 1e30)) // what is computed of them stays finite
+            return problem(name, {"1e-30 to 1e30"}, {shortest_number(*value)});
+    if (d.broken.size() > 256)
+        return problem("broken", {"at most 256 values"}, {d.broken.size()});
     if (d.full_scale_pressure && !d.full_scale)
         return problem("full_scale", {"a number, since there is a full_scale_pressure"}, {"none"});
     return std::nullopt;

@@ -52,12 +52,14 @@ private:
             shape.remove_prefix(1);
             const std::size_t end = std::min(shape.find(','), shape.size());
             if (const std::string_view extent = trimmed(shape.substr(0, end)); !extent.empty())
-                extents.push_back(whole_number(extent).value_or(0));
+                extents.push_back(whole_number(extent).value_or(no_extent));
             shape.remove_prefix(end);
         }
-        const bool by_columns = value_of(said, "'fortran_order':").starts_with("True");
+        const std::string_view fortran = value_of(said, "'fortran_order':");
+        const bool by_columns = fortran.starts_with("True");
         const bool one = extents.size() == 2 || (extents.size() == 3 && extents[0] == 1);
-        if (extents.size() < 2 || extents.size() > 3 || (by_columns && !one))
+        if (extents.size() < 2 || extents.size() > 3 || extents[0] == no_extent || (by_columns && !one) ||
+            !(by_columns || fortran.starts_with("False")))
             return refuse("rows x columns, or frames x rows x columns, in the order of C", said);
         if (!read_type(value_of(said, "'descr':"), d))
             return refuse("integers, booleans, or floats of 32 or 64 bits", value_of(said, "'descr':"));
@@ -65,6 +67,8 @@ private:
         d.order = by_columns ? cell_order::columns : d.order;
         return head{begin + length, one ? 1 : extents[0]};
     }
+
+    static constexpr std::size_t no_extent = static_cast<std::size_t>(-1);
 
     static std::string_view value_of(std::string_view said, std::string_view key) noexcept {
         const std::size_t at = said.find(key);

@@ -233,12 +233,13 @@ private:
             double ticks = 0;
             if (field > 0 || !description_.seconds_per_tick)
                 fields.skip();
-            else if (!fields.number(ticks) || !std::isfinite(ticks))
+            else if (!fields.number(ticks) || !std::isfinite(ticks * *description_.seconds_per_tick))
                 return misfit({"a time stamp"}, {detail::quoted{fields.rest().substr(0, 20)}});
             else if (filled_ == 0)
                 seconds_ = ticks * *description_.seconds_per_tick;
         }
         const std::span<float> sent = reader_.sent(cells()).subspan(filled_ * line_cells(), line_cells());
+        std::optional<std::pair<double, std::size_t>> bad; // the first, and its field
         for (std::size_t i = 0; i < sent.size(); ++i) {
             double value = 0;
             if (fields.at_end())
@@ -246,12 +247,14 @@ private:
             if (!fields.number(value))
                 return misfit({"a number in field ", i + 1 + description_.leading_fields},
                               {detail::quoted{fields.rest().substr(0, 20)}});
-            if (!reader_.count(value, sent[i]))
-                return misfit({"cells of zero or more"},
-                              {std::to_string(value), " in field ", i + 1 + description_.leading_fields});
+            if (!reader_.count(value, sent[i]) && !bad)
+                bad = {value, i + 1 + description_.leading_fields};
         }
         if (!fields.at_end())
             return misfit({sent.size(), " numbers"}, {"more"});
+        if (bad) // no line of a header, but of cells
+            return misfit({"cells of zero or more"}, {std::to_string(bad->first), " in field ", bad->second},
+                          true);
         if (++filled_ < rows())
             return true;
         filled_ = 0;
@@ -262,12 +265,12 @@ private:
         return true;
     }
 
-    /// A line that does not fit: damage, unless no frame has come.
-    bool misfit(detail::text_parts expected, detail::text_parts found) {
+    /// A line that does not fit: damage, unless no frame has come and it may be of a header.
+    bool misfit(detail::text_parts expected, detail::text_parts found, bool is_numbers = false) {
         ++skipped_;
         waiting_ = rows() > 1 && filled_ > 0;
         filled_ = 0;
-        if (frames() > 0)
+        if (frames() > 0 || is_numbers)
             report(byte_, line_, expected, found);
         else if (!first_skipped_)
             first_skipped_ = {byte_, line_, 1, detail::joined(expected), detail::joined(found), {}};
