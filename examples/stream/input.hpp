@@ -96,7 +96,7 @@ public:
                 continue;
             if (port_.empty() && got == 0)
                 return std::nullopt;
-            if (port_.empty())
+            if (port_.empty() || (got < 0 && errno == EISDIR)) // a folder is no port that comes back
                 throw std::runtime_error(std::string("cannot read the stream: ") + std::strerror(errno));
             say(port_ + " is lost, and opened again when it is there");
             find_again();

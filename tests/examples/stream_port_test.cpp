@@ -253,6 +253,9 @@ TEST_SUITE("stream") {
         const auto missing = support::run_program(TACTNET_STREAM_PROGRAM +
                                                   (" " + (folder / "small").string()) + " </dev/null");
         CHECK(missing.status == 2);
+        const auto folder_as_port = support::run_program("timeout 20 " + command + " --port /tmp");
+        CHECK(folder_as_port.status == 2);
+        CHECK(folder_as_port.error.find("cannot read the stream: Is a directory") != std::string::npos);
         CHECK_MESSAGE(
             missing.error.find("found tactnet4 at 9x9: build with -DTACTNET_STREAM_NETWORKS=tactnet4=9x9") !=
                 std::string::npos,

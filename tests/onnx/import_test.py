@@ -101,6 +101,7 @@ CASES = {
     "a batch of three": (built(conv, 3, 1, 9, 7), "3 frames"),
     "open extents": (built(conv, 1, 1, 0, 7), "--shape"),
     "names of classes": (built(lambda b: b.classifier(conv(b), 140, 4), classes=["a", "b"]), "4 different names"),
+    "a constant twice": (built(lambda b: (b.classifier(conv(b), 140, 4), b.constants.append(b.constants[0]))[0]), "same name"),
     "an output that is not there": (built(conv, output="y"), "no output 'y'"),
     "a group norm across channels": (built(lambda b: b("Relu", b("InstanceNormalization", b("Transpose", conv(b), perm=[0, 2, 1, 3]), b.draw(7), b.draw(7)))),
                                      "(InstanceNormalization)", "group_norm"),

@@ -139,6 +139,8 @@ class Network:
         for name, value in settings.items():
             if not hasattr(own, name):
                 raise ValueError(f"recipe: expected the name of a setting, found {name!r}")
+            if isinstance(value, (int, float, numpy.number)) and not 0 <= value < math.inf:
+                raise ValueError(f"recipe: expected a finite {name} of 0 or more, found {value!r}")
             setattr(own, name, getattr(getattr(core, name), value) if name in ("input", "augmentation") else value)
         self._model = core.train(code, frames, labels, names, numpy.flatnonzero(~kept), numpy.flatnonzero(kept), own, seed, threads,
                                  start and start._trained(), report or (lambda *_: None))

@@ -120,6 +120,10 @@ TARGETS = {arduino: ("cortex-m0plus", "cortex-m4"), platformio: ("cortex-m7",), 
            esp_idf: ("cortex-m3" if riscv == "-" else "rv32imc_zicsr",)}
 if riscv == "-":
     print("ESP-IDF's example is compiled for another processor: there is no riscv64-unknown-elf-g++ with a C++ library")
+for repository, file, said in (('a"b/c', header, "expected OWNER/NAME"), ("owner/tactnet", sys.executable, "expected an exported network")):
+    refused = subprocess.run([ROOT / "packaging/boards/lay_out", "zephyr", folder / "refused", "--repository", repository, "--header", file],
+                             capture_output=True, text=True, check=False)
+    expect(refused.returncode == 2 and said in refused.stderr, f"'{said}', found {refused.stderr}")
 for check, processors in TARGETS.items():
     library = folder / check.__name__ / "tactnet"
     subprocess.run([ROOT / "packaging/boards/lay_out", check.__name__, library, "--repository", "owner/tactnet", "--header", header], check=True)

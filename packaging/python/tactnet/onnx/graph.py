@@ -75,6 +75,8 @@ class Graph:
         self.opset = opsets.get("", opsets.get("ai.onnx", 1))
         graph = model.graph
         self.constants = {tensor.name: array_of(tensor, tensor.name) for tensor in graph.initializer}
+        if len(self.constants) < len(graph.initializer):
+            raise CannotImport("several tensors of constants have the same name")
         self.nodes = [Node(proto, self.opset, place) for place, proto in enumerate(graph.node)]
         inputs = [value for value in graph.input if value.name not in self.constants]
         if len(inputs) != 1:
