@@ -111,8 +111,8 @@ void go_on(means& state) {
     }
 }
 void go_on(map& state) {
-    for (const auto* numbers : {state.directions.data(), state.offset.data()})
-        require(std::isfinite(*numbers));
+    for (const std::span<const float> numbers : {std::span<const float>(state.directions), {state.offset}})
+        require(std::ranges::all_of(numbers, [](float number) { return std::isfinite(number); }));
 }
 
 template <class Format>

@@ -82,7 +82,7 @@ TEST_CASE("text_stream: joined anywhere, damaged lines, and what is no such text
     CHECK(live.push(bytes_of("1,-2,3\n"), tactnet::ignore_frames{}) == decode_status::damaged);
     CHECK(live.error().message() ==
           "byte 31, line 6, frame 3: expected cells of zero or more, found -2.000000 in field 2");
-    CHECK(decoded("1,-2,3\n4,5,6\n").error == // numbers are no header that may be skipped
+    CHECK(decoded("1,-2,-3\n4,5,6\n").error == // numbers are no header that may be skipped
           "byte 0, line 1, frame 1: expected cells of zero or more, found -2.000000 in field 2");
     CHECK(decode(text_stream(parse_sensor(R"({"rows": 1, "columns": 2, "cell": "digits", "leading_fields": 1,
                                               "seconds_per_tick": 10})")),
