@@ -3,13 +3,18 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/read_file.hpp>
 #include <tactnet/io/write_file.hpp>
+#include <tactnet/sensors/described/npy.hpp>
+#include <tactnet/sensors/recording.hpp>
 #include <tactnet/text/message.hpp>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
+#include <iterator>
+#include <limits>
 #include <new>
 #include <span>
 #include <stdexcept>
@@ -247,8 +252,8 @@ bool decode_png(png_decoder& decoder, raster& image, failure& result) {
 
 grey_counts to_grey(const std::string& file, const raster& image) {
     const unsigned largest = image.bytes == 1 ? 0xFF : 0xFFFF;
-    grey_counts grey{image.rows, image.columns, static_cast<std::uint16_t>(largest),
-                     std::vector<std::uint16_t>(image.rows * image.columns)};
+    grey_counts grey{image.rows, image.columns, static_cast<float>(largest),
+                     std::vector<float>(image.rows * image.columns)};
     for (std::size_t i = 0; i < grey.pixels.size(); ++i) {
         const auto value = [&](std::size_t channel) {
             const std::uint8_t* const bytes =
@@ -267,7 +272,7 @@ grey_counts to_grey(const std::string& file, const raster& image) {
             throw file_error(file, place(), "an opaque image",
                              "alpha " + std::to_string(value(image.channels - 1)) + " of " +
                                  std::to_string(largest));
-        grey.pixels[i] = static_cast<std::uint16_t>(value(0));
+        grey.pixels[i] = static_cast<float>(value(0));
     }
     return grey;
 }
@@ -296,6 +301,25 @@ bool starts_with(const std::vector<std::byte>& bytes, std::string_view magic) {
     return bytes.size() >= magic.size() && std::memcmp(bytes.data(), magic.data(), magic.size()) == 0;
 }
 
+grey_counts decode_npy(const std::string& file, const std::vector<std::byte>& bytes) {
+    const tactnet::recording all = tactnet::decode_all(tactnet::npy_array(), bytes);
+    if (all.damage)
+        throw file_error(file, "NPY data", all.damage->expected, all.damage->found);
+    const bool one = all.size() == 1;
+    if (!one || std::ranges::any_of(all[0].cells, [](float cell) { return !std::isfinite(cell); }))
+        throw file_error(file, "NPY data", "one image, of a finite number per tactel",
+                         one ? "NaN or infinity" : std::to_string(all.size()) + " frames");
+    const std::string_view head(reinterpret_cast<const char*>(bytes.data()),
+                                std::min<std::size_t>(bytes.size(), 128));
+    return {all.description.rows,
+            all.description.columns,
+            head.find("u1',") < head.size()   ? 255
+            : head.find("u2',") < head.size() ? 65535
+                                              : std::numeric_limits<float>::infinity(),
+            {all[0].cells.begin(), all[0].cells.end()},
+            "NPY data"};
+}
+
 } // namespace
 
 // NOLINTEND(cert-err52-cpp)
@@ -307,6 +331,8 @@ grey_counts decode_counts(const std::filesystem::path& path) {
         throw file_error(file, "", "a JPEG or PNG image", "an empty file");
     const bool is_jpeg = starts_with(bytes, "\xFF\xD8\xFF");
     const bool is_png = starts_with(bytes, "\x89PNG\r\n\x1A\n");
+    if (starts_with(bytes, tactnet::npy_array::magic))
+        return decode_npy(file, bytes);
     if (!is_jpeg && !is_png)
         throw file_error(file, "", "a JPEG or PNG image",
                          "a file that begins with " +
@@ -331,8 +357,12 @@ grey_counts decode_counts(const std::filesystem::path& path) {
 grey_image decode_image(const std::filesystem::path& path) {
     const grey_counts counts = decode_counts(path);
     if (counts.largest > 255)
-        throw file_error(path.string(), "PNG data", "8 bits per channel", "16");
-    return {counts.rows, counts.columns, {counts.pixels.begin(), counts.pixels.end()}};
+        throw file_error(path.string(), counts.kind, "8 bits per channel",
+                         counts.largest == 65535 ? "16" : "other numbers");
+    grey_image image{counts.rows, counts.columns, {}};
+    std::ranges::transform(counts.pixels, std::back_inserter(image.pixels),
+                           [](float pixel) { return static_cast<std::uint8_t>(pixel); });
+    return image;
 }
 
 void write_png(const std::filesystem::path& path, std::size_t rows, std::size_t columns,

@@ -1,8 +1,8 @@
 #pragma once
 
-// Turns JPEG and PNG files into the grey values that the networks are trained on, and grey values into PNG
-// files. Strict on purpose: a value that a decoder has guessed (a damaged file), rescaled (16 bits) or mixed
-// (colours) is a wrong pressure that would go unnoticed.
+// Turns JPEG, PNG and NPY files into the grey values that the networks are trained on, and grey values into
+// PNG files. Strict on purpose: a value that a decoder has guessed (a damaged file), rescaled (16 bits) or
+// mixed (colours) is a wrong pressure that would go unnoticed.
 
 #include <tactnet/io/images/set.hpp>
 
@@ -18,17 +18,18 @@ inline constexpr std::size_t largest_image_side = 8192;
 /// Grey values as the file has them.
 struct grey_counts {
     std::size_t rows = 0, columns = 0;
-    std::uint16_t largest = 255; ///< that the file can hold: 65535 of 16 bits
-    std::vector<std::uint16_t> pixels{};
+    float largest = 255; ///< that the file can hold: 65535 of 16 bits, infinity of deeper types of NPY
+    std::vector<float> pixels{};
+    const char* kind = "PNG data"; ///< of a file with more than 8 bits, in errors
 };
 
-/// Decodes a JPEG or PNG file; the content decides which, not the name. Colour is accepted where red, green
-/// and blue are equal, an alpha channel where it is opaque, 1, 2 and 4 bits and palettes where they stand for
-/// such greys. Throws tactnet::file_error for everything else: colours, an orientation in EXIF data that
-/// viewers turn the image by, and damage, even where a decoder would go on.
+/// Decodes a JPEG or PNG file, or one array of NPY; the content decides which, not the name. Colour is
+/// accepted where red, green and blue are equal, an alpha channel where it is opaque, 1, 2 and 4 bits and
+/// palettes where they stand for such greys. Throws tactnet::file_error for everything else: colours, an
+/// orientation in EXIF data that viewers turn the image by, and damage, even where a decoder would go on.
 grey_counts decode_counts(const std::filesystem::path& path);
 
-/// The same of 8 bits; also throws for 16.
+/// The same of 8 bits; also throws for more.
 tactnet::grey_image decode_image(const std::filesystem::path& path);
 
 /// Writes 8-bit grey values, row-major, as a PNG file, all or nothing.

@@ -128,10 +128,11 @@ std::vector<std::byte> read_recording_file(const std::filesystem::path& path, st
         return bytes;
     const grey_counts image = decode_counts(path);
     const std::string head = "P5 " + std::to_string(image.columns) + ' ' + std::to_string(image.rows) + ' ' +
-                             std::to_string(image.largest) + '\n';
+                             (image.largest > 255 ? "65535" : "255") + '\n';
     for (const char c : head)
         result.push_back(static_cast<std::byte>(c));
-    for (const std::uint16_t pixel : image.pixels) {
+    for (const float count : image.pixels) {
+        const auto pixel = static_cast<unsigned>(count);
         if (image.largest > 255)
             result.push_back(static_cast<std::byte>(pixel >> 8U));
         result.push_back(static_cast<std::byte>(pixel & 0xFFU));

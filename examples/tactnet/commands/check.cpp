@@ -19,9 +19,11 @@ struct checked_image {
     std::string name; ///< below the folder, printable
     std::size_t label;
     std::string size = "unreadable";
-    std::string unreadable{}; ///< why it cannot be read; then it has no pixels
-    tactnet::grey_image image{};
-    std::size_t pressed = 0, full = 0; ///< tactels above 0 and at 255
+    std::string refused{};             ///< why trainings do not take it
+    grey_counts counts{};              ///< of the file; none where it cannot be read
+    tactnet::grey_image image{};       ///< what trainings take
+    double full_scale = 255;           ///< the largest count that the sensor gives
+    std::size_t pressed = 0, full = 0; ///< tactels above 0 and at full scale
     bool one_value = true;             ///< all tactels have the same
 };
 
@@ -29,22 +31,25 @@ std::string name_in(const std::filesystem::path& folder, const std::filesystem::
     return printable(path.lexically_relative(folder).string());
 }
 
-std::vector<checked_image> read_images(const tactnet::image_folder& list,
-                                       const std::filesystem::path& folder) {
+std::vector<checked_image> read_images(const tactnet::image_folder& list, const std::filesystem::path& folder,
+                                       std::optional<double> full_scale) {
     std::vector<checked_image> images;
     for (const auto& file : list.files) {
         checked_image& found = images.emplace_back(checked_image{name_in(folder, file.path), file.label});
         try {
             check_no_device(file.path);
-            found.image = decode_image(file.path);
-            found.size = fmt::format("{}x{}", found.image.rows, found.image.columns);
+            found.counts = decode_counts(file.path);
+            found.size = fmt::format("{}x{}", found.counts.rows, found.counts.columns);
+            found.image = in_bytes(found.counts, full_scale, file.path);
         } catch (const tactnet::file_error& error) {
-            found.unreadable = "expected " + error.expected() + ", found " + error.found();
+            found.refused = "expected " + error.expected() + ", found " + error.found();
         }
-        for (const std::uint8_t pixel : found.image.pixels) {
-            found.pressed += pixel > 0;
-            found.full += pixel == 255;
-            found.one_value = found.one_value && pixel == found.image.pixels.front();
+        if (found.counts.largest > 255)
+            found.full_scale = full_scale.value_or(found.counts.largest);
+        for (const float count : found.counts.pixels) {
+            found.pressed += count > 0;
+            found.full += count >= static_cast<float>(found.full_scale);
+            found.one_value = found.one_value && count == found.counts.pixels.front();
         }
     }
     return images;
@@ -54,14 +59,14 @@ std::vector<checked_image> read_images(const tactnet::image_folder& list,
 std::string usual_size(const std::vector<checked_image>& images) {
     std::map<std::string, std::size_t> sizes{{"", 0}};
     for (const checked_image& found : images)
-        sizes[found.size] += found.unreadable.empty();
+        sizes[found.size] += !found.counts.pixels.empty();
     return std::ranges::max_element(sizes, {}, [](const auto& size) { return size.second; })->first;
 }
 
 /// A line of the table.
 struct counts {
     std::string name;
-    std::size_t images = 0, copies = 0, full = 0; ///< `full`: those with a tactel at 255
+    std::size_t images = 0, copies = 0, full = 0; ///< `full`: those with a tactel at full scale
     std::vector<std::string> sizes{};
 };
 
@@ -75,8 +80,8 @@ std::vector<std::string> problems_of(const checked_image& found, const std::stri
         problems.emplace_back("expected a touch, found the same value in all tactels");
     if (found.full > 0 && 2 * found.full >= found.pressed)
         problems.push_back(
-            fmt::format("expected pressures that the sensor can tell, found {} of {} pressed tactels at 255",
-                        found.full, found.pressed));
+            fmt::format("expected pressures that the sensor can tell, found {} of {} pressed tactels at {}",
+                        found.full, found.pressed, found.full_scale));
     return problems;
 }
 
@@ -130,7 +135,7 @@ std::string neighbours_of(const image_list& list, const std::vector<checked_imag
     std::vector<std::filesystem::path> paths;
     tactnet::shape size{};
     for (std::size_t i = 0; i < images.size(); ++i)
-        if (images[i].size == usual) {
+        if (images[i].size == usual && images[i].refused.empty()) {
             const tactnet::grey_image& image = images[i].image;
             size = {image.rows, image.columns};
             pixels.insert(pixels.end(), image.pixels.begin(), image.pixels.end());
@@ -145,23 +150,30 @@ std::string neighbours_of(const image_list& list, const std::vector<checked_imag
         {{pixels, labels, list.folder.classes.size()}, size, groups, paths, list.folder.root});
 }
 
-int check_data(const std::filesystem::path& folder, const group_options& options) {
+int check_data(const std::filesystem::path& folder, const group_options& options,
+               std::optional<double> full_scale) {
     const image_list listed = list_images(folder, options);
     const tactnet::image_folder& list = listed.folder;
-    const std::vector<checked_image> images = read_images(list, folder);
+    const std::vector<checked_image> images = read_images(list, folder, full_scale);
     const std::string usual = usual_size(images);
     std::vector<counts> lines;
     for (const std::string& name : list.classes)
         lines.push_back({printable(name)});
     lines.push_back({"all"});
-    std::map<std::pair<std::string, std::vector<std::uint8_t>>, const checked_image*> first; // by pixels
+    std::map<std::pair<std::string, std::vector<float>>, const checked_image*> first; // by pixels
     std::vector<std::string> problems, copies;
-    std::map<std::string, std::size_t> unreadable; // images by reason, of which the first is named
-    std::vector<const checked_image*> first_unreadable;
+    struct refusal { // for one reason, of images of which the first is named
+        const checked_image* first;
+        std::size_t images = 0;
+        float largest = 0;
+    };
+    std::map<std::string, refusal> refusals;
+    std::vector<const std::string*> reasons;
+    bool deep = false;
     for (const checked_image& found : images) {
         const checked_image* original = nullptr;
         if (!found.one_value)
-            if (const auto& [same, is_new] = first.try_emplace({found.size, found.image.pixels}, &found);
+            if (const auto& [same, is_new] = first.try_emplace({found.size, found.counts.pixels}, &found);
                 !is_new)
                 original = same->second;
         for (counts* line : {&lines[found.label], &lines.back()}) {
@@ -171,11 +183,17 @@ int check_data(const std::filesystem::path& folder, const group_options& options
             if (std::ranges::find(line->sizes, found.size) == line->sizes.end())
                 line->sizes.push_back(found.size);
         }
-        if (found.unreadable.empty())
+        if (found.refused.empty())
             for (const std::string& problem : problems_of(found, usual))
                 problems.push_back(found.name + ": " + problem);
-        else if (const auto same = ++unreadable[found.unreadable]; same == 1)
-            first_unreadable.push_back(&found);
+        else {
+            refusal& all = refusals.try_emplace(found.refused, refusal{&found}).first->second;
+            if (++all.images == 1)
+                reasons.push_back(&found.refused);
+            for (const float count : found.counts.pixels)
+                all.largest = std::max(all.largest, count);
+        }
+        deep = deep || found.counts.largest > 255;
         if (original != nullptr && original->label == found.label) // no problem: a sensor may repeat a frame
             copies.push_back(found.name + " is a copy of " + original->name +
                              ": a random split may train on one and test the other");
@@ -184,16 +202,14 @@ int check_data(const std::filesystem::path& folder, const group_options& options
                                original->name);
     }
     std::size_t count = problems.size();
-    for (const checked_image* found : first_unreadable) {
-        const std::size_t same = unreadable[found->unreadable];
+    for (const std::string* reason : reasons) {
+        const auto& [found, same, largest] = refusals.at(*reason);
         count += same;
-        problems.push_back(found->name + ": " + printable(found->unreadable) +
-                           (same > 1 ? fmt::format(", and so of {} other images", grouped(same - 1)) : ""));
-        if (found->unreadable.find("8 bits per channel, found 16") != std::string::npos)
-            problems.back() +=
-                "; write deeper counts in 8 bits, 255 at full scale (docs/recognise/own_sensor.md)";
+        problems.push_back(found->name + ": " + printable(*reason) +
+                           (same > 1 ? fmt::format(", and so of {} other images", grouped(same - 1)) : "") +
+                           (largest > 0 ? fmt::format("; the largest count is {}", largest) : ""));
     }
-    table_cells cells{{"class", "images", "size", "copies", "with 255"}};
+    table_cells cells{{"class", "images", "size", "copies", deep ? "at full scale" : "with 255"}};
     for (const counts& line : lines)
         cells.push_back({line.name, grouped(line.images), fmt::format("{}", fmt::join(line.sizes, ", ")),
                          grouped(line.copies), grouped(line.full)});
@@ -238,5 +254,7 @@ command add_check(CLI::App& program) {
     auto groups = std::make_shared<group_options>();
     add_data_option(*app, *folder);
     add_group_options(*app, *groups);
-    return [folder, groups] { return check_data(*folder, *groups); };
+    auto images = std::make_shared<image_reading>();
+    add_sensor_option(*app, images->sensor);
+    return [folder, groups, images] { return check_data(*folder, *groups, images->full_scale()); };
 }

@@ -16,7 +16,7 @@ int classify(const classify_options& o) {
     // All images are looked at before anything is said, so that a bad one does not leave half a list.
     std::vector<std::uint8_t> pixels;
     for (const std::string& path : o.images) {
-        const tactnet::grey_image image = load_image(path, rows, columns, o.weights.resize);
+        const tactnet::grey_image image = load_image(path, rows, columns, o.weights.images);
         pixels.insert(pixels.end(), image.pixels.begin(), image.pixels.end());
     }
     // A line an image, whatever its path; names of classes are printable, or their file is not loaded.
@@ -40,6 +40,6 @@ command add_classify(CLI::App& program) {
                     "without probabilities, its decision value; see docs/recognise/program.md)");
     auto o = std::make_shared<classify_options>();
     add_weight_options(*app, o->weights);
-    app->add_option("IMAGE", o->images, "8-bit grey JPEG or PNG images")->required();
+    app->add_option("IMAGE", o->images, "Grey JPEG, PNG or NPY images")->required();
     return [o] { return classify(*o); };
 }

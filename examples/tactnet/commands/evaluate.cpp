@@ -200,7 +200,7 @@ int evaluate_weights(const evaluate_options& o) {
     check_outputs({{"--weights", o.weights.weights}, {"--classes", o.weights.classes}}, outputs, o.data);
     const loaded_weights weights = load_weights(o.weights);
     const method& what = *weights.what;
-    image_data data = load_data(o.data, what.rows, what.columns, o.training.resize, o.groups);
+    image_data data = load_data(o.data, what.rows, what.columns, o.training.images, o.groups);
     take_classes(o, weights, data);
     const std::vector<std::string>& classes = data.images.classes;
     tactnet::data_split split;
@@ -242,7 +242,7 @@ void take_weight_options(const CLI::App& app, evaluate_options& o) {
     if (o.training.bits == 8)
         refuse("--bits: expected a training, found --weights, whose file says itself of how many bits its "
                "weights are");
-    o.weights.resize = o.training.resize;
+    o.weights.images = o.training.images;
     if (!o.sizes.empty())
         refuse("--sizes: expected a training, found --weights, whose file says itself of what size it is");
     if (o.methods.size() > 1)

@@ -61,7 +61,7 @@ std::unique_ptr<trained_network> turned_to_bytes(const export_options& o, const 
                o.weights.weights);
     check_bits(*weights.what, o.bits);
     const image_data data =
-        load_data(o.data, weights.what->rows, weights.what->columns, o.weights.resize, o.groups);
+        load_data(o.data, weights.what->rows, weights.what->columns, o.weights.images, o.groups);
     return in_eight_bits(*weights.trained, data.view(),
                          o.images == "all"
                              ? tactnet::all_samples(data.images.size())

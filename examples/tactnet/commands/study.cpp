@@ -14,6 +14,7 @@ namespace {
 
 struct study_options : evaluation_options {
     std::vector<std::string> methods, sizes, recipes{"default", "published"}, pretrained;
+    image_reading images{.resize = true};
     std::size_t bits = 8; ///< 8: networks in 8 bits too, where they have such a form
     bool report_only = false, only_trained = false;
 };
@@ -47,7 +48,7 @@ candidate_list candidates_of(const study_options& o) {
             continue;
         training_settings settings;
         settings.rows = m->rows, settings.columns = m->columns;
-        settings.resize = true;
+        settings.images = o.images;
         settings.bits = o.bits == 8 && m->has_eight_bit_form() ? 8 : 32;
         if (const auto needed = m->pretrained()) {
             const auto file = files.find(needed->network.name);
@@ -201,6 +202,7 @@ command add_study(CLI::App& program) {
     o->results = "study";
     o->usual_splits = 20;
     add_evaluation_options(*app, *o);
+    add_sensor_option(*app, o->images.sensor);
     std::set<std::string> names, sizes;
     for (const auto& m : all_methods()) {
         names.insert(m->name);

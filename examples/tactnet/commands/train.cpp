@@ -66,7 +66,7 @@ public:
 
     int run() {
         check_files();
-        data = load_data(o.data, what.rows, what.columns, o.training.resize, o.groups);
+        data = load_data(o.data, what.rows, what.columns, o.training.images, o.groups);
         const std::size_t classes = data.images.classes.size();
         check_capacity(what, o.data, classes);
         rule = split_rule_for(o.split, data);

@@ -238,7 +238,7 @@ void add_group_options(CLI::App& command, group_options& o) {
 image_list list_images(const std::filesystem::path& folder, const group_options& o) {
     if (!o.table.empty())
         return images_of_table(folder, o.table);
-    image_list list{tactnet::list_image_folder(folder, tactnet::default_image_extensions,
+    image_list list{tactnet::list_image_folder(folder, image_extensions,
                                                o.folders ? tactnet::image_folder_layout::groups_in_classes
                                                          : tactnet::image_folder_layout::classes)};
     std::vector<std::string> groups;

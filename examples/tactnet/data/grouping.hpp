@@ -5,11 +5,13 @@
 #include <tactnet/io/images/folder.hpp>
 #include <tactnet/training/data/split.hpp>
 
+#include <array>
 #include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace CLI {
@@ -31,6 +33,9 @@ struct image_list {
     std::vector<std::string> group_names{}; ///< in natural order
     std::optional<tactnet::data_split> given{};
 };
+
+/// The extensions of images.
+inline constexpr std::array<std::string_view, 4> image_extensions{".jpg", ".jpeg", ".png", ".npy"};
 
 /// Throws tactnet::file_error and usage_error.
 image_list list_images(const std::filesystem::path& folder, const group_options& options);

@@ -6,6 +6,7 @@
 #include <tactnet/image/resize.hpp>
 #include <tactnet/io/model_description.hpp>
 #include <tactnet/io/read_file.hpp>
+#include <tactnet/sensors/described/description_file.hpp>
 #include <tactnet/text/message.hpp>
 
 #include <decode_image.hpp>
@@ -68,8 +69,31 @@ bool image_data::of_paper() const {
     return print.of_paper();
 }
 
-image_data load_data(const std::filesystem::path& folder, std::size_t rows, std::size_t columns, bool resize,
-                     const group_options& groups) {
+std::optional<double> image_reading::full_scale() const {
+    if (sensor.empty())
+        return std::nullopt;
+    check_no_device(sensor);
+    const auto full = tactnet::read_sensor(sensor).full_scale;
+    if (!full)
+        throw tactnet::file_error(sensor, "field 'full_scale'", "the count that becomes 255", "none");
+    return full;
+}
+
+tactnet::grey_image in_bytes(const grey_counts& counts, std::optional<double> full_scale,
+                             const std::filesystem::path& file) {
+    if (counts.largest > 255 && !full_scale)
+        throw tactnet::file_error(file.string(), counts.kind,
+                                  "8 bits per channel, or --sensor FILE, a description with their full_scale",
+                                  counts.largest == 65535 ? "16 bits" : "other numbers");
+    const double scale = counts.largest > 255 ? 255 / *full_scale : 1;
+    tactnet::grey_image image{counts.rows, counts.columns, {}};
+    for (const float count : counts.pixels)
+        image.pixels.push_back(static_cast<std::uint8_t>(std::min(255.0, count * scale + 0.5)));
+    return image;
+}
+
+image_data load_data(const std::filesystem::path& folder, std::size_t rows, std::size_t columns,
+                     const image_reading& how, const group_options& groups) {
     image_list listed = list_images(folder, groups);
     const tactnet::image_folder& list = listed.folder;
     tell_left_out(list);
@@ -88,12 +112,15 @@ image_data load_data(const std::filesystem::path& folder, std::size_t rows, std:
                 of_parts.add(image);
         }
     data.groups_fingerprint = of_groups.text(), data.given_fingerprint = of_parts.text();
-    data.images = resize ? tactnet::load_images(list, rows, columns, decode_image,
-                                                [&](const tactnet::grey_image& image) {
-                                                    keep_as_taken(data, image);
-                                                    return resized(image, rows, columns);
-                                                })
-                         : tactnet::load_images(list, rows, columns, decode_image);
+    const auto decode = [full = how.full_scale()](const std::filesystem::path& path) {
+        return in_bytes(decode_counts(path), full, path);
+    };
+    data.images = how.resize ? tactnet::load_images(list, rows, columns, decode,
+                                                    [&](const tactnet::grey_image& image) {
+                                                        keep_as_taken(data, image);
+                                                        return resized(image, rows, columns);
+                                                    })
+                             : tactnet::load_images(list, rows, columns, decode);
     if (data.taken.pixels.size() != data.images.size() * data.taken.size.size()) // not all have that size
         data.taken = {};
     fingerprint taken, print;
@@ -111,12 +138,12 @@ image_data load_data(const std::filesystem::path& folder, std::size_t rows, std:
 }
 
 tactnet::grey_image load_image(const std::filesystem::path& path, std::size_t rows, std::size_t columns,
-                               bool resize) {
+                               const image_reading& how) {
     check_no_device(path);
-    tactnet::grey_image image = decode_image(path);
+    tactnet::grey_image image = in_bytes(decode_counts(path), how.full_scale(), path);
     if (image.rows == rows && image.columns == columns)
         return image;
-    if (!resize)
+    if (!how.resize)
         refuse("{}: expected {} x {} pixels (rows x columns), or --resize, found {} x {}", path.string(),
                rows, columns, image.rows, image.columns);
     return resized(image, rows, columns);
@@ -125,7 +152,7 @@ tactnet::grey_image load_image(const std::filesystem::path& path, std::size_t ro
 std::vector<std::string> load_class_names(const std::filesystem::path& path) {
     std::error_code code;
     if (std::filesystem::is_directory(path, code))
-        return tactnet::list_image_folder(path).classes;
+        return tactnet::list_image_folder(path, image_extensions).classes;
     check_no_device(path);
     const auto bytes = tactnet::read_file(path, std::size_t{1} << 20);
     const std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -10,8 +10,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
+
+struct grey_counts;
 
 struct image_data {
     tactnet::image_set images;
@@ -47,10 +50,24 @@ struct image_data {
     }
 };
 
-/// Loads all images of a folder with one subfolder a class, or of a table. Those of another size are resized
-/// if asked, else refused. Reports folders that are left out. Throws tactnet::file_error and usage_error.
-image_data load_data(const std::filesystem::path& folder, std::size_t rows, std::size_t columns, bool resize,
-                     const group_options& groups = {});
+/// How files become images.
+struct image_reading {
+    bool resize = false;  ///< those of another size, which are refused otherwise
+    std::string sensor{}; ///< a description, whose full scale deeper counts have; refused without
+
+    /// The count that becomes 255; nothing without a description. Throws tactnet::file_error.
+    std::optional<double> full_scale() const;
+};
+
+/// Counts of 8 bits as they are, deeper ones so that `full_scale` becomes 255. Throws tactnet::file_error
+/// where these need it.
+tactnet::grey_image in_bytes(const grey_counts& counts, std::optional<double> full_scale,
+                             const std::filesystem::path& file);
+
+/// Loads all images of a folder with one subfolder a class, or of a table. Reports folders that are left out.
+/// Throws tactnet::file_error and usage_error.
+image_data load_data(const std::filesystem::path& folder, std::size_t rows, std::size_t columns,
+                     const image_reading& how, const group_options& groups = {});
 
 /// Reports hidden folders that were left out.
 void tell_left_out(const tactnet::image_folder& list);
@@ -67,9 +84,9 @@ private:
 };
 
 /// One image to recognise, of the size asked for. Throws tactnet::file_error, and usage_error for another
-/// size without `resize`.
+/// size without `how.resize`.
 tactnet::grey_image load_image(const std::filesystem::path& path, std::size_t rows, std::size_t columns,
-                               bool resize);
+                               const image_reading& how);
 
 /// Names of classes: subfolders of a folder, or lines of a text file. Throws tactnet::file_error and
 /// usage_error.

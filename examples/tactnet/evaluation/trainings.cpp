@@ -269,7 +269,7 @@ split_plan load_candidates(candidate_list& list, const evaluation_options& o, st
         std::shared_ptr<const image_data>& images = loaded[{c.what->rows, c.what->columns}];
         if (!images)
             images = std::make_shared<const image_data>(
-                load_data(o.data, c.what->rows, c.what->columns, c.training.resize, o.groups));
+                load_data(o.data, c.what->rows, c.what->columns, c.training.images, o.groups));
         c.data = images;
         const std::size_t classes = images->images.classes.size();
         check_capacity(*c.what, o.data, classes);

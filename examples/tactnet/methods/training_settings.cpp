@@ -65,16 +65,30 @@ void check_settings(const method& what, const training_settings& s) {
 void add_data_option(CLI::App& command, std::string& folder) {
     command
         .add_option("--data", folder,
-                    "Folder with one subfolder per class, each with 8-bit grey JPEG or PNG images")
+                    "Folder with one subfolder per class, each with grey JPEG, PNG or NPY images")
         ->type_name("FOLDER")
         ->required();
+}
+
+void add_sensor_option(CLI::App& command, std::string& sensor) {
+    command
+        .add_option(
+            "--sensor", sensor,
+            "Description of the array (JSON), whose full_scale becomes 255 of images with more than 8 "
+            "bits; otherwise they are an error")
+        ->type_name("FILE");
+}
+
+void add_image_options(CLI::App& command, image_reading& images) {
+    command.add_flag("--resize", images.resize,
+                     "Resize images of another size (bicubic); otherwise they are an error");
+    add_sensor_option(command, images.sensor);
 }
 
 void add_training_options(CLI::App& command, training_settings& s, const std::string& pretrained) {
     add_option(command, "--rows", s.rows, whole_number(1, 4096), "Rows of an image");
     add_option(command, "--columns", s.columns, whole_number(1, 4096), "Columns of an image");
-    command.add_flag("--resize", s.resize,
-                     "Resize images of another size (bicubic); otherwise they are an error");
+    add_image_options(command, s.images);
     add_option(command, "--recipe", s.recipe, CLI::IsMember(recipe_names),
                "Training recipe: 'default', 'thorough' (the same for longer), or 'published' (the paper's)");
     add_option(command, "--epochs", s.epochs, whole_number(1, 1'000'000),

@@ -2,6 +2,7 @@
 
 // What a user may choose about a training, and the recipe that follows from it.
 
+#include "data/image_data.hpp"
 #include "methods/method.hpp"
 
 namespace CLI {
@@ -20,7 +21,7 @@ struct epoch_settings {
 
 struct training_settings : epoch_settings {
     std::size_t rows = 28, columns = 50;
-    bool resize = false;
+    image_reading images;
     std::string recipe = "default";
     /// File of a network trained on photographs, for methods that begin with one; else empty.
     std::string pretrained;
@@ -30,11 +31,14 @@ struct training_settings : epoch_settings {
     std::size_t bits = 32; ///< of a weight, once it is trained: 8, or single precision
 };
 
-/// --rows, --columns, --resize, --recipe, all that changes a recipe and what a training begins with.
-/// `pretrained`: the names of the option for a network trained on photographs.
+/// --rows, --columns, --resize, --sensor, --recipe, all that changes a recipe and what a training begins
+/// with. `pretrained`: the names of the option for a network trained on photographs.
 void add_training_options(CLI::App& command, training_settings& settings,
                           const std::string& pretrained = "--pretrained");
 
+/// --resize and --sensor.
+void add_image_options(CLI::App& command, image_reading& images);
+void add_sensor_option(CLI::App& command, std::string& sensor);
 /// --data, which is required.
 void add_data_option(CLI::App& command, std::string& folder);
 /// --bits.

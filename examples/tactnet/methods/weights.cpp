@@ -24,8 +24,7 @@ void add_weight_options(CLI::App& command, weight_options& o, bool required) {
                    "Rows of an image, if the weight file does not state them");
         add_option(command, "--columns", o.columns, whole_number(1, 4096),
                    "Columns of an image, if the weight file does not state them");
-        command.add_flag("--resize", o.resize,
-                         "Resize images of another size (bicubic); otherwise they are an error");
+        add_image_options(command, o.images);
     }
     add_option(command, "--epsilon", o.epsilon, positive_number(),
                "Epsilon that batch norms add to the variance (default: the file's, otherwise 1e-5)");

@@ -13,7 +13,7 @@ struct weight_options {
     std::string weights, method, classes;
     std::optional<std::size_t> rows, columns;
     std::optional<double> epsilon;
-    bool resize = false;
+    image_reading images;
 };
 
 struct loaded_weights {

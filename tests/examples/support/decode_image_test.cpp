@@ -293,8 +293,29 @@ TEST_SUITE("examples/decode_image") {
             tactnet::write_file(folder / "deep", std::as_bytes(std::span(file)));
             const grey_counts counts = decode_counts(folder / "deep");
             CHECK(counts.largest == 65535);
-            CHECK(counts.pixels == std::vector<std::uint16_t>{0, 2048, 4097});
+            CHECK(counts.pixels == std::vector<float>{0, 2048, 4097});
         }
+    }
+
+    TEST_CASE("decode_counts: an array of NumPy, of one frame of finite numbers") {
+        decoder decode;
+        const auto npy = [](const std::string& type, const std::string& shape, const std::string& cells) {
+            const std::string head =
+                "{'descr': '" + type + "', 'fortran_order': False, 'shape': (" + shape + "), }";
+            const std::string all =
+                std::string("\x93NUMPY\1\0", 8) + static_cast<char>(head.size()) + '\0' + head + cells;
+            return samples(all.begin(), all.end());
+        };
+        check_equal(decode(npy("|u1", "1, 3", "\1\2\xFF")), 1, 3, {1, 2, 255});
+        for (const auto& [file, sentence] : std::vector<std::pair<samples, std::string>>{
+                 {npy("<u2", "1, 1", "\1\2"), "NPY data: expected 8 bits per channel, found 16"},
+                 {npy("<i2", "1, 1", "\1\2"), "NPY data: expected 8 bits per channel, found other numbers"},
+                 {npy("|u1", "2, 1, 1", "\1\2"),
+                  "NPY data: expected one image, of a finite number per tactel, found 2 frames"},
+                 {npy("<f4", "1, 1", std::string("\0\0\xC0\x7F", 4)),
+                  "NPY data: expected one image, of a finite number per tactel, found NaN or infinity"},
+                 {npy("|u1", "1, 2", "\1"), "NPY data: expected 2 bytes of a frame, found 1 of them"}})
+            CHECK(decode.error(file) == sentence);
     }
 
     TEST_CASE("read_recording_file: archives of NumPy, images, other bytes; damage") {

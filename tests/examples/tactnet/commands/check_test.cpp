@@ -2,6 +2,8 @@
 
 #include "../workshop.hpp"
 
+#include <png.h>
+
 using namespace support;
 
 namespace {
@@ -21,6 +23,20 @@ void write_image(const fs::path& path, std::uint8_t first, std::uint8_t others, 
     std::vector<std::uint8_t> pixels(height * columns, others);
     pixels.front() = first;
     write_png(path, height, columns, pixels);
+}
+
+/// Counts of 16 bits, `factor` times those of the file.
+void write_deeper(const fs::path& from, const fs::path& to, unsigned factor) {
+    const tactnet::grey_image flat = decode_image(from);
+    std::vector<std::uint16_t> counts;
+    for (const std::uint8_t pixel : flat.pixels)
+        counts.push_back(static_cast<std::uint16_t>(pixel * factor));
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = static_cast<png_uint_32>(flat.columns);
+    image.height = static_cast<png_uint_32>(flat.rows);
+    image.format = PNG_FORMAT_LINEAR_Y;
+    REQUIRE(png_image_write_to_file(&image, to.c_str(), 0, counts.data(), 0, nullptr) != 0);
 }
 
 } // namespace
@@ -54,9 +70,62 @@ TEST_SUITE("program") {
         CHECK(found.status == 1);
         CHECK(shows(
             found,
-            "\nleft/image3.png: expected 8 bits per channel, found 16, and so of 2 other images; write "));
+            "\nleft/image3.png: expected 8 bits per channel, or --sensor FILE, a description with their "
+            "full_scale, found 16 bits, and so of 2 other images; the largest count is "));
         CHECK(!shows(found, "image4.png"));
         CHECK(found.out.ends_with("\n3 problems\n"));
+    }
+
+    TEST_CASE(
+        "check: counts of 16 bits by their own full scale, which train, evaluate and classify read too") {
+        const workshop shop;
+        const fs::path flat = shop / "flat.png";
+        fs::copy(shop.data(), shop / "flat", fs::copy_options::recursive);
+        fs::copy_file(shop.image(), flat);
+        for (std::size_t c = 0; c < 3; ++c)
+            for (std::size_t i = 0; i < images_per_class; ++i)
+                write_deeper(shop.image(c, i), shop.image(c, i), 16);
+        const outcome blind = check(shop, shop.data());
+        CHECK(blind.status == 1);
+        CHECK(shows(blind, " and so of 35 other images; the largest count is 30"));
+        CHECK(blind.out.ends_with("\n36 problems\n"));
+        const words train("train --rows 7 --columns 13 --method tactnet4 --epochs 2 --output"),
+            sensor("--sensor mat.json");
+        shop.refuses(train + words("w.safetensors --data DATA"),
+                     "a description with their full_scale, found 16 bits");
+        const auto describe = [&](const std::string& more) {
+            tactnet::write_file(shop / "mat.json", "{\"rows\": 7, \"columns\": 13" + more + "}");
+            return shop.run(words("check --data DATA") + sensor);
+        };
+        says(describe("").error, "field 'full_scale': expected the count that becomes 255, found none");
+        const outcome full = describe(", \"full_scale\": 160"); // below most of the counts
+        CHECK(full.status == 1);
+        CHECK(shows(full, " size copies at full scale\n"));
+        CHECK(shows(full, "\nall 36 7x13 0 36\n"));
+        CHECK(shows(full, "pressed tactels at 160\n"));
+        const outcome right = describe(", \"full_scale\": 4080");
+        CHECK_MESSAGE(right.status == 0, right.out);
+
+        shop.succeeds(train + words("deep.safetensors --data DATA") + sensor);
+        shop.succeeds(train + words("flat.safetensors --data flat"));
+        CHECK(shop.text("deep.safetensors") == shop.text("flat.safetensors"));
+        const auto test = [&](const words& data) {
+            return shop.succeeds(words("evaluate --weights flat.safetensors --results results --data") + data)
+                .out;
+        };
+        CHECK(test(words("DATA") + sensor) == test("flat"));
+        const auto answer = [&](const words& image) {
+            const std::string out = shop.succeeds(words("classify --weights flat.safetensors") + image).out;
+            return out.substr(out.find(','));
+        };
+        const std::string head = "{'descr': '<u2', 'fortran_order': False, 'shape': (7, 13), }";
+        std::string array = std::string("\x93NUMPY\1\0", 8) + static_cast<char>(head.size()) + '\0' + head;
+        for (const unsigned pixel : decode_image(flat).pixels)
+            array += {static_cast<char>(16 * pixel & 0xFF), static_cast<char>(16 * pixel >> 8)};
+        tactnet::write_file(shop / "a.npy", array);
+        const std::string known = answer({flat.string()});
+        for (const char* image : {"IMAGE", "a.npy"})
+            CHECK(answer(words(image) + sensor) == known);
     }
 
     TEST_CASE("check: each image that is wrong is named, with what is wrong") {
@@ -153,6 +222,16 @@ TEST_SUITE("program") {
         fs::rename(shop / "copy/bottle", shop / "copy/a flask");
         fs::rename(shop / "copy/caliper/caliper1.jpg", shop / "copy/caliper/last.jpg");
         CHECK(shows(check(shop, shop / "copy"), "\nThese are the paper's"));
+        // In 16 bits, up to 65535, they are the same to the last pixel.
+        for (const auto& entry : fs::recursive_directory_iterator(shop / "copy"))
+            if (entry.path().extension() == ".jpg") {
+                const fs::path deep = shop / "deep" / entry.path().lexically_relative(shop / "copy");
+                fs::create_directories(deep.parent_path());
+                write_deeper(entry.path(), deep, 257);
+            }
+        tactnet::write_file(shop / "mat.json",
+                            std::string(R"({"rows": 28, "columns": 50, "full_scale": 65535})"));
+        CHECK(shows(shop.run("check --data deep --sensor mat.json"), "\nThese are the paper's"));
         fs::rename(shop / "copy/caliper/last.jpg", shop / "copy/a flask/last.jpg");
         CHECK(shows(check(shop, shop / "copy"), "\nThese are not the paper's"));
     }
