@@ -112,12 +112,13 @@ const char* const description =
     R"({"rows": 16, "columns": 16, "cell": "uint16", "marker": "41 55", "checksum": {"kind": "xor8"},
         "offset": 2135, "inverted": true, "full_scale": 2135, "broken": [65535]})";
 
-void write_network(const std::filesystem::path& path) {
-    tactnet::model<network> model;
+template <class Network = network>
+void write_network(const std::filesystem::path& path, const char* name = "tactnet6") {
+    tactnet::model<Network> model;
     tactnet::initialise(model.network, tactnet::he_normal{}, 3);
-    for (std::size_t c = 0; c < network::outputs; ++c)
+    for (std::size_t c = 0; c < Network::outputs; ++c)
         model.classes.push_back("object" + std::to_string(c));
-    tactnet::save_model(path, model, {{"network", "tactnet6"}});
+    tactnet::save_model(path, model, {{"network", name}});
 }
 
 } // namespace
@@ -244,12 +245,7 @@ TEST_SUITE("stream") {
         CHECK_MESSAGE(other.error.find("expected an array of 16 x 16, as the network, found 16 x 17") !=
                           std::string::npos,
                       other.error);
-        using small = tactnet::tactnet4<tactnet::shape{9, 9}, 22>;
-        tactnet::model<small> model;
-        tactnet::initialise(model.network, tactnet::he_normal{}, 3);
-        for (std::size_t c = 0; c < small::outputs; ++c)
-            model.classes.push_back("object" + std::to_string(c));
-        tactnet::save_model(folder / "small", model, {{"network", "tactnet4"}});
+        write_network<tactnet::tactnet4<tactnet::shape{9, 9}, 22>>(folder / "small", "tactnet4");
         const auto missing = support::run_program(TACTNET_STREAM_PROGRAM +
                                                   (" " + (folder / "small").string()) + " </dev/null");
         CHECK(missing.status == 2);

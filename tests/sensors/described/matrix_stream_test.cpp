@@ -12,6 +12,8 @@
 #include <string>
 #include <string_view>
 #include <support/allocations.hpp>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 using sensors_test::bytes_of;
@@ -45,18 +47,35 @@ std::vector<float> cells_of(const sensor_description& format, const std::string&
 
 static_assert(tactnet::frame_decoder<matrix_stream>);
 
-TEST_CASE("matrix_stream: every form of a cell, row by row or column by column") {
+TEST_CASE("matrix_stream: every form and every order of the cells, against frames written by hand") {
     using enum tactnet::cell_type;
-    const std::vector<float> counted{1, 2, 3, 4, 5, 6};
-    CHECK(cells_of(bare, "\1\2\3\4\5\6") == counted);
-    CHECK(cells_of({.rows = 2, .columns = 3, .order = tactnet::cell_order::columns}, "\1\4\2\5\3\6") ==
-          counted);
-    CHECK(cells_of({.rows = 1, .columns = 2, .cell = uint16}, "\1\2\xFF\xFF") ==
-          std::vector<float>{513, 65535});
-    CHECK(cells_of({.rows = 1, .columns = 2, .cell = uint16, .cell_bytes = tactnet::byte_order::big},
-                   "\1\2\xFF\xFE") == std::vector<float>{258, 65534});
-    CHECK(cells_of({.rows = 1, .columns = 2, .cell = float32}, "\0\0\xC0\x3F\0\0\0\0"s) ==
-          std::vector<float>{1.5F, 0});
+    using enum tactnet::cell_order;
+    using tactnet::block_order, tactnet::byte_order;
+    const std::string six("\0\1\2\3\4\5", 6), eight = six + "\6\7";
+    for (const auto& [format, bytes, cells] :
+         std::vector<std::tuple<sensor_description, std::string, std::vector<float>>>{
+             {bare, "\1\2\3\4\5\6", {1, 2, 3, 4, 5, 6}},
+             {{.rows = 2, .columns = 3, .order = columns}, "\1\4\2\5\3\6", {1, 2, 3, 4, 5, 6}},
+             {{.rows = 1, .columns = 2, .cell = uint16}, "\1\2\xFF\xFF", {513, 65535}},
+             {{.rows = 1, .columns = 2, .cell = uint16, .cell_bytes = byte_order::big},
+              "\1\2\xFF\xFE",
+              {258, 65534}},
+             {{.rows = 1, .columns = 1, .cell = int32, .cell_bytes = byte_order::big}, "\0\1\0\1"s, {65537}},
+             {{.rows = 1, .columns = 2, .cell = float32}, "\0\0\xC0\x3F\0\0\0\0"s, {1.5F, 0}},
+             {{.rows = 2, .columns = 3, .serpentine = true}, six, {0, 1, 2, 5, 4, 3}},
+             {{.rows = 2, .columns = 3, .order = columns, .serpentine = true}, six, {0, 3, 4, 1, 2, 5}},
+             {{.rows = 2, .columns = 4, .blocks = block_order::side_by_side},
+              eight,
+              {0, 1, 4, 5, 2, 3, 6, 7}},
+             {{.rows = 4, .columns = 1, .blocks = block_order::stacked, .flipped_rows = true},
+              six.substr(0, 4),
+              {3, 2, 1, 0}},
+             {{.rows = 2, .columns = 3, .transposed = true}, six, {0, 3, 1, 4, 2, 5}},
+             {{.rows = 2, .columns = 3, .flipped_columns = true}, six, {2, 1, 0, 5, 4, 3}},
+             {{.rows = 2, .columns = 3, .rotation = 90}, six, {3, 0, 4, 1, 5, 2}},
+             {{.rows = 2, .columns = 3, .rotation = 180}, six, {5, 4, 3, 2, 1, 0}},
+             {{.rows = 2, .columns = 3, .transposed = true, .rotation = 270}, six, {3, 4, 5, 0, 1, 2}}})
+        CHECK(cells_of(format, bytes) == cells);
 }
 
 TEST_CASE("matrix_stream: markers: joined anywhere, lost and found again") {
@@ -172,54 +191,21 @@ TEST_CASE("matrix_stream: broken cells are NaN, inverted counts are counts") {
     CHECK(offset[0] == 0.0F);
     CHECK(std::isnan(offset[1]));
     CHECK(offset[2] == 5.5F);
-    CHECK(cells_of({.rows = 1,
-                    .columns = 1,
-                    .cell = tactnet::cell_type::int32,
-                    .cell_bytes = tactnet::byte_order::big},
-                   "\0\1\0\1"s) == std::vector<float>{65537});
-}
-
-TEST_CASE("matrix_stream: every order of the cells, against frames written by hand") {
-    const auto ordered = [](sensor_description format) {
-        std::string bytes;
-        for (std::size_t i = 0; i < format.cells(); ++i)
-            bytes += static_cast<char>(i);
-        return cells_of(format, bytes);
-    };
-    using enum tactnet::cell_order;
-    using tactnet::block_order;
-    CHECK(ordered({.rows = 2, .columns = 3, .serpentine = true}) == std::vector<float>{0, 1, 2, 5, 4, 3});
-    CHECK(ordered({.rows = 2, .columns = 3, .order = columns, .serpentine = true}) ==
-          std::vector<float>{0, 3, 4, 1, 2, 5});
-    CHECK(ordered({.rows = 2, .columns = 4, .blocks = block_order::side_by_side}) ==
-          std::vector<float>{0, 1, 4, 5, 2, 3, 6, 7});
-    CHECK(ordered({.rows = 4, .columns = 1, .blocks = block_order::stacked, .flipped_rows = true}) ==
-          std::vector<float>{3, 2, 1, 0});
-    CHECK(ordered({.rows = 2, .columns = 3, .transposed = true}) == std::vector<float>{0, 3, 1, 4, 2, 5});
-    CHECK(ordered({.rows = 2, .columns = 3, .flipped_columns = true}) ==
-          std::vector<float>{2, 1, 0, 5, 4, 3});
-    CHECK(ordered({.rows = 2, .columns = 3, .rotation = 90}) == std::vector<float>{3, 0, 4, 1, 5, 2});
-    CHECK(ordered({.rows = 2, .columns = 3, .rotation = 180}) == std::vector<float>{5, 4, 3, 2, 1, 0});
-    CHECK(ordered({.rows = 2, .columns = 3, .transposed = true, .rotation = 270}) ==
-          std::vector<float>{3, 4, 5, 0, 1, 2});
 }
 
 TEST_CASE("checksum: the check values of the catalogue of CRC algorithms, and sums") {
     using enum tactnet::checksum_kind;
-    const auto sum = [](tactnet::packet_checksum of) {
-        return tactnet::checksum_of(of)(bytes_of("123456789"));
-    };
-    CHECK(sum({.kind = crc8}) == 0xF4);                                        // SMBUS
-    CHECK(sum({.kind = crc8, .polynomial = 0x31, .reflected = true}) == 0xA1); // MAXIM-DOW
-    CHECK(sum({.kind = crc16}) == 0x31C3);                                     // XMODEM
-    CHECK(sum({.kind = crc16, .initial = 0xFFFF}) == 0x29B1);                  // IBM-3740
-    CHECK(sum({.kind = crc16, .polynomial = 0x8005, .initial = 0xFFFF, .reflected = true}) ==
-          0x4B37); // MODBUS
-    CHECK(sum({.kind = crc16, .initial = 0xFFFF, .final_xor = 0xFFFF, .reflected = true}) ==
-          0x906E); // IBM-SDLC
-    CHECK(sum({.kind = sum16}) == 477);
-    CHECK(sum({.kind = sum8, .negated = true}) == 0x23);
-    CHECK(sum({.kind = xor8, .final_xor = 0xFF}) == 0xCE);
+    for (const auto& [description, sum] : std::vector<std::pair<tactnet::packet_checksum, std::uint16_t>>{
+             {{.kind = crc8}, 0xF4},                                        // SMBUS
+             {{.kind = crc8, .polynomial = 0x31, .reflected = true}, 0xA1}, // MAXIM-DOW
+             {{.kind = crc16}, 0x31C3},                                     // XMODEM
+             {{.kind = crc16, .initial = 0xFFFF}, 0x29B1},                  // IBM-3740
+             {{.kind = crc16, .polynomial = 0x8005, .initial = 0xFFFF, .reflected = true}, 0x4B37}, // MODBUS
+             {{.kind = crc16, .initial = 0xFFFF, .final_xor = 0xFFFF, .reflected = true}, 0x906E}, // IBM-SDLC
+             {{.kind = sum16}, 477},
+             {{.kind = sum8, .negated = true}, 0x23},
+             {{.kind = xor8, .final_xor = 0xFF}, 0xCE}})
+        CHECK(tactnet::checksum_of(description)(bytes_of("123456789")) == sum);
 }
 
 TEST_CASE("matrix_stream: descriptions that make no sense; memory") {

@@ -3,6 +3,7 @@
 #include <tactnet/sensors/described/description.hpp>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -124,40 +125,19 @@ private:
     using reader = std::size_t (cell_reader::*)(const std::byte*, float*) const;
 
     static reader reader_of(const sensor_description& d) noexcept {
+        return d.cell == cell_type::digits
+                   ? nullptr
+                   : reader_among<std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, std::uint32_t,
+                                  std::int32_t, std::uint64_t, std::int64_t, float, double>(d);
+    }
+    /// `Cells` are as in cell_type.
+    template <class... Cells>
+    static reader reader_among(const sensor_description& d) noexcept {
+        constexpr std::array<reader, 2 * sizeof...(Cells)> readers{&cell_reader::read_as<Cells, false>...,
+                                                                   &cell_reader::read_as<Cells, true>...};
         const bool swap =
             (d.cell_bytes == byte_order::little) != (std::endian::native == std::endian::little);
-        switch (d.cell) {
-        case cell_type::uint8:
-            return &cell_reader::read_integers<std::uint8_t, false>;
-        case cell_type::int8:
-            return &cell_reader::read_integers<std::int8_t, false>;
-        case cell_type::uint16:
-            return of<std::uint16_t>(swap);
-        case cell_type::int16:
-            return of<std::int16_t>(swap);
-        case cell_type::uint32:
-            return of<std::uint32_t>(swap);
-        case cell_type::int32:
-            return of<std::int32_t>(swap);
-        case cell_type::uint64:
-            return of<std::uint64_t>(swap);
-        case cell_type::int64:
-            return of<std::int64_t>(swap);
-        case cell_type::float32:
-            return of<float>(swap);
-        case cell_type::float64:
-            return of<double>(swap);
-        case cell_type::digits:
-            break;
-        }
-        return nullptr;
-    }
-    template <class Cell>
-    static reader of(bool swap) noexcept {
-        if constexpr (std::is_floating_point_v<Cell>)
-            return swap ? &cell_reader::read_checked<Cell, true> : &cell_reader::read_checked<Cell, false>;
-        else
-            return swap ? &cell_reader::read_integers<Cell, true> : &cell_reader::read_integers<Cell, false>;
+        return readers[static_cast<std::size_t>(d.cell) + (swap ? sizeof...(Cells) : 0)];
     }
 
     template <class Cell, bool Swap>
@@ -177,8 +157,8 @@ private:
     }
 
     template <class Cell, bool Swap>
-    std::size_t read_integers(const std::byte* from, float* to) const {
-        if (checks_)
+    std::size_t read_as(const std::byte* from, float* to) const {
+        if (checks_ || std::is_floating_point_v<Cell>)
             return read_checked<Cell, Swap>(from, to);
         // Exact in single precision up to 16 bits.
         using exact = std::conditional_t<sizeof(Cell) <= 2, float, double>;

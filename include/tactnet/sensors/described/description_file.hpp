@@ -33,28 +33,25 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 namespace detail {
 
 /// The words of an enumeration in a file, in the order of its values.
-template <class Enum>
-inline constexpr std::span<const std::string_view> words_of{};
-inline constexpr std::array<std::string_view, 11> cell_type_words{
-    "uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64", "int64", "float32", "float64", "digits"};
-inline constexpr std::array<std::string_view, 2> byte_order_words{"little", "big"};
-inline constexpr std::array<std::string_view, 2> cell_order_words{"rows", "columns"};
-inline constexpr std::array<std::string_view, 3> block_order_words{"one", "side by side", "stacked"};
-inline constexpr std::array<std::string_view, 2> line_content_words{"frame", "row"};
-inline constexpr std::array<std::string_view, 6> checksum_words{"none", "sum8", "sum16",
-                                                                "xor8", "crc8", "crc16"};
-template <>
-inline constexpr std::span<const std::string_view> words_of<cell_type>{cell_type_words};
-template <>
-inline constexpr std::span<const std::string_view> words_of<byte_order>{byte_order_words};
-template <>
-inline constexpr std::span<const std::string_view> words_of<cell_order>{cell_order_words};
-template <>
-inline constexpr std::span<const std::string_view> words_of<block_order>{block_order_words};
-template <>
-inline constexpr std::span<const std::string_view> words_of<line_content>{line_content_words};
-template <>
-inline constexpr std::span<const std::string_view> words_of<checksum_kind>{checksum_words};
+constexpr auto words_of(cell_type) noexcept {
+    return std::to_array<std::string_view>({"uint8", "int8", "uint16", "int16", "uint32", "int32", "uint64",
+                                            "int64", "float32", "float64", "digits"});
+}
+constexpr auto words_of(byte_order) noexcept {
+    return std::to_array<std::string_view>({"little", "big"});
+}
+constexpr auto words_of(cell_order) noexcept {
+    return std::to_array<std::string_view>({"rows", "columns"});
+}
+constexpr auto words_of(block_order) noexcept {
+    return std::to_array<std::string_view>({"one", "side by side", "stacked"});
+}
+constexpr auto words_of(line_content) noexcept {
+    return std::to_array<std::string_view>({"frame", "row"});
+}
+constexpr auto words_of(checksum_kind) noexcept {
+    return std::to_array<std::string_view>({"none", "sum8", "sum16", "xor8", "crc8", "crc16"});
+}
 
 /// Calls visit(name, member) for each field of a checksum.
 template <class Checksum, class Visit>
@@ -128,7 +125,7 @@ private:
         requires std::is_enum_v<Enum>
     void read(Enum& value, std::string_view field) {
         const std::string word = json_.string();
-        const auto words = words_of<Enum>;
+        const auto words = words_of(value);
         const auto found = std::find(words.begin(), words.end(), word);
         if (found == words.end()) {
             std::string known;
@@ -195,7 +192,7 @@ private:
 template <class Value>
 [[nodiscard]] std::string description_json(const Value& value) {
     if constexpr (std::is_enum_v<Value>) {
-        return json_string(words_of<Value>[static_cast<std::size_t>(value)]);
+        return json_string(words_of(value)[static_cast<std::size_t>(value)]);
     } else if constexpr (std::same_as<Value, bool>) {
         return value ? "true" : "false";
     } else if constexpr (std::is_integral_v<Value>) {
