@@ -278,12 +278,12 @@ TEST_CASE("sensor_health: on a small array, whole rows and columns, pairs and si
     for (std::size_t i = 0; i < pressed.size(); ++i)
         pressed[i] = static_cast<std::uint8_t>(120 + i % 13);
     const auto faults_at = [&](const std::vector<std::size_t>& places, const small_frame& under,
-                               std::uint8_t count) {
+                               std::uint8_t count, int frames = 16) {
         sensor_health<small> sensor;
         small_frame broken = under;
         for (const std::size_t place : places)
             broken[place] = count;
-        for (int i = 0; i < 16; ++i)
+        for (int i = 0; i < frames; ++i)
             (void)sensor.clean(broken);
         return sensor.faults().size();
     };
@@ -293,8 +293,9 @@ TEST_CASE("sensor_health: on a small array, whole rows and columns, pairs and si
     for (std::size_t i = 0; i < 7; ++i)
         column.push_back(i * 13 + 4);
     CHECK(faults_at(column, {}, 255) == 7);
-    CHECK(faults_at(column, pressed, 0) == 5); // all but its ends
-    CHECK(faults_at(row, {}, 255) == 2);       // of part of a row, its ends
+    CHECK(faults_at(column, pressed, 0) == 5);                           // all but its ends
+    CHECK(faults_at(row, {}, 255) == 2);                                 // of part of a row, its ends
+    CHECK(faults_at({40, 41, 42, 43, 44, 45}, pressed, 0, 3 * 16) == 6); // of a dead one, then those between
     row.push_back(3 * 13 + 11), row.push_back(3 * 13 + 12);
     CHECK(faults_at(row, {}, 255) == sensor_health<small>::max_faults);
     CHECK(faults_at({30, 31, 80}, {}, 200) == 3);
