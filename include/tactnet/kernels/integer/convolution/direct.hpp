@@ -66,13 +66,15 @@ convolve_integer_block(const typename Layout::staged* input, const typename Layo
 
 /// Computes the same for all filters, one register block after the other, where blocks are so small that a
 /// call for each would take a large part of the time. Sums of as many filters as one instruction rounds are
-/// rounded together.
-template <class Layout, std::size_t Rows, std::size_t Columns, class Output,
-          frame_convolution C = Layout::convolution>
+/// rounded together. The first `Above` input rows under the block and the last `Below` are left out: a branch
+/// would take as long as a product.
+template <class Layout, std::size_t Rows, std::size_t Columns, std::size_t Above, std::size_t Below,
+          class Output, frame_convolution C = Layout::convolution>
 [[gnu::flatten, gnu::noinline]] void
 convolve_integer_filters(const typename Layout::staged* input, const typename Layout::weight* weights,
                          const integer_epilogue& of_all, Output* output) {
     static_assert(Layout::width == 1);
+    constexpr row_range multiplied{Above, (Rows - 1) * C.window.stride.rows + C.window.kernel.rows - Below};
     constexpr std::size_t vectors = Layout::block_vectors,
                           together = std::max(instructions::rounded_lanes, vectors);
     constexpr std::size_t pooled_columns = ceil_div(Columns, C.pool.columns),
@@ -86,9 +88,9 @@ convolve_integer_filters(const typename Layout::staged* input, const typename La
             start_integer_sums<Layout, vectors, Rows, Columns>(sums, epilogue.from(first + f),
                                                                output + first + f);
             if constexpr (instructions::weight_by_weight && vectors == 1)
-                add_products_of_weights<Layout, Rows, Columns>(sums, input, weights);
+                add_products_of_weights<Layout, Rows, Columns>(sums, input, weights, multiplied);
             else
-                add_integer_products<Layout, vectors, Rows, Columns>(sums, input, weights, {});
+                add_integer_products<Layout, vectors, Rows, Columns>(sums, input, weights, multiplied);
             weights += vectors * (Layout::weights / Layout::vectors);
 #pragma GCC unroll 64
             for (std::size_t v = 0; v < vectors; ++v)
@@ -146,21 +148,50 @@ struct direct_integer_method {
         }
         const auto* const weights = reinterpret_cast<const typename layout::weight*>(packed);
         if constexpr (layout::few_registers)
-            blocked<C.rows(), layout::block_rows>([&](auto rows, std::size_t y) {
+            run_filters(staged, weights, epilogue, output);
+        else
+            run_blocks(staged, weights, epilogue, output);
+    }
+
+private:
+    /// All filters of a block after the other. Where blocks of the first or the last row are a large part of
+    /// all, they leave out rows of padding, whose products are zero unless it counts. Each of them is code of
+    /// its own, which is small beside such weights.
+    template <class Output>
+    static void run_filters(const typename layout::staged* staged, const typename layout::weight* weights,
+                            const integer_epilogue& epilogue, Output* output) {
+        constexpr bool leaves_out =
+            offset == 0 && C.rows() <= 4 * layout::block_rows && packed_elements >= 4096;
+        constexpr std::size_t reach = (C.rows() - 1) * C.window.stride.rows + C.window.kernel.rows,
+                              inside = C.window.top + C.window.input.rows;
+        constexpr constant<leaves_out ? C.window.top : 0> above;
+        constexpr constant<leaves_out ? std::max(reach, inside) - inside : 0> below;
+        constexpr constant<0> none;
+        blocked<C.rows(), layout::block_rows>([&](auto rows, std::size_t y) {
+            const auto run_row = [&](auto first, auto last) {
                 blocked<C.columns(), layout::block_columns>([&](auto columns, std::size_t x) {
-                    detail::convolve_integer_filters<layout, rows, columns>(
+                    detail::convolve_integer_filters<layout, rows, columns, first, last>(
                         staged + y * C.window.stride.rows * layout::pitch +
                             x * C.window.stride.columns * layout::stride,
                         weights, epilogue,
                         output +
                             (y / C.pool.rows * C.output_columns() + x / C.pool.columns) * C.output_stride());
                 });
-            });
-        else
-            run_blocks(staged, weights, epilogue, output);
+            };
+            const bool first = epilogue.padding == 0 && y == 0,
+                       last = epilogue.padding == 0 && y + rows == C.rows();
+            if constexpr (C.rows() == rows) {
+                if (first)
+                    return run_row(above, below);
+            } else {
+                if (above > 0 && first)
+                    return run_row(above, none);
+                if (below > 0 && last)
+                    return run_row(none, below);
+            }
+            run_row(none, none);
+        });
     }
-
-private:
     /// A few vectors of filters after the other.
     template <class Output>
     static void run_blocks(const typename layout::staged* staged, const typename layout::weight* weights,

@@ -57,9 +57,8 @@ add_integer_products(register_block<int32_vec<Layout::width>, Rows * Columns, Ve
             weights + prefetch_distance_bytes / sizeof(*weights));
 #pragma GCC unroll 64
         for (std::size_t r = 0; r < footprint_rows; ++r) {
-            if constexpr (!Layout::few_registers) // there a branch takes as long as a product
-                if (r < multiplied.first || r >= multiplied.last)
-                    continue;
+            if (r < multiplied.first || r >= multiplied.last)
+                continue;
             typename Layout::products::inputs x[under_columns];
 #pragma GCC unroll 64
             for (std::size_t c = 0; c < under_columns; ++c)
@@ -149,7 +148,8 @@ add_products_of_pairs(register_block<int32_vec<Layout::width>, Rows * Columns, V
 template <class Layout, std::size_t Rows, std::size_t Columns, frame_convolution C = Layout::convolution>
 [[gnu::always_inline]] inline void
 add_products_of_weights(register_block<int32_vec<Layout::width>, Rows * Columns, 1>& sums,
-                        const typename Layout::staged* input, const typename Layout::weight* weights) {
+                        const typename Layout::staged* input, const typename Layout::weight* weights,
+                        row_range multiplied) {
     constexpr std::size_t from_row = C.window.stride.rows * Layout::pitch;
     input += (Rows - 1) * from_row;
     for (std::size_t in_pixel = 0; in_pixel < Layout::groups_of_pixel; ++in_pixel) {
@@ -162,6 +162,9 @@ add_products_of_weights(register_block<int32_vec<Layout::width>, Rows * Columns,
                 weights += Layout::weights_of_group;
 #pragma GCC unroll 64
                 for (std::size_t p = 0; p < Rows * Columns; ++p) {
+                    const std::size_t r = p / Columns * C.window.stride.rows + row;
+                    if (r < multiplied.first || r >= multiplied.last)
+                        continue;
                     const std::size_t column =
                         p % Columns * C.window.stride.columns + in_row * Layout::columns_of_group;
                     sums[p][0] = Layout::products::add(
