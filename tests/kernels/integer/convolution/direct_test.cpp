@@ -45,6 +45,13 @@ TEST_CASE("direct_integer_method: a pool takes the largest sum, also of cut wind
                            pooled(of({6, 9, 1}, 33, 5), extent2d(1, 2), 6, 4)>() == 0);
 }
 
+TEST_CASE("direct_integer_method: rows of padding are left out only if their bytes stand for zero") {
+    CHECK(direct_differing<std::uint8_t, pooled(of({7, 6, 33}, 16, 3), 2, 4, 3),
+                           pooled(of({8, 4, 33}, 17, 3), 2, 4, 2), pooled(of({2, 4, 33}, 18, 3), 2, 1, 2),
+                           pooled(of({2, 4, 33}, 19, 3), 2, 1, 2), pooled(of({5, 4, 64}, 16, 2), 2, 3, 2),
+                           pooled(of({5, 4, 64}, 17, 2), 2, 3, 2)>() == 0);
+}
+
 TEST_CASE("direct_integer_method: accumulates onto the output") {
     CHECK(direct_differing<std::uint8_t, adding(of({5, 7, 4}, 8, 3)), adding(of({5, 7, 3}, 13, 3), true),
                            adding(of({4, 4, 16}, 40, 1))>() == 0);
