@@ -4,7 +4,7 @@
 
 #include <doctest/doctest.h>
 
-#include <chrono>
+#include <ctime>
 #include <string>
 #include <support/allocations.hpp>
 #include <vector>
@@ -205,9 +205,9 @@ TEST_CASE("weiss_decoder: any bytes take linear time, even where each could begi
                                     return beginnings + bytes(50'000, 0) + frame;
                                 }()}) {
         weiss_wts decoder(large);
-        const auto start = std::chrono::steady_clock::now();
+        const std::clock_t start = std::clock();
         decoder.push(span_of(stream), tactnet::ignore_frames{});
-        CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(15));
+        CHECK(std::clock() - start < 15 * CLOCKS_PER_SEC);
         CHECK(decoder.skipped_bytes() == stream.size() - frame.size());
         CHECK(decoder.finish(tactnet::ignore_frames{}) == decode_status::finished);
     }

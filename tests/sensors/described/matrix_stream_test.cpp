@@ -6,8 +6,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <ctime>
 #include <random>
 #include <string>
 #include <string_view>
@@ -235,9 +235,9 @@ TEST_CASE("matrix_stream: a long marker takes linear time, whatever comes before
         while (stream.size() < 4'000'000)
             stream += repeated;
         matrix_stream decoder(format, immediate);
-        const auto start = std::chrono::steady_clock::now();
+        const std::clock_t start = std::clock();
         decoder.push(bytes_of(stream + "!\1\2\3\4\5\6" + marker), tactnet::ignore_frames{});
-        CHECK(std::chrono::steady_clock::now() - start < std::chrono::seconds(10));
+        CHECK(std::clock() - start < 10 * CLOCKS_PER_SEC);
         CHECK(decoder.frames() == 1);
         CHECK(decoder.skipped_bytes() == stream.size() + 1 - marker.size());
     }
