@@ -1,15 +1,18 @@
 // A ROS 2 node that names what a tactile array touches. It is not compiled here, since the tests have no ROS;
 // they test its core, touch_core.hpp.
 //
-//     ros2 run my_package touch_node --ros-args -p weights:=/path/to/net.safetensors -r
-//     pressure:=/gripper/pressure
+//     ros2 run my_package touch_node --ros-args -p weights:=net.safetensors -r pressure:=/gripper
 #include "touch_core.hpp"
 
 #include <tactnet/io.hpp>
 
+#include <cstdio>
+#include <exception>
+#include <memory>
 #include <rclcpp/rclcpp.hpp>
 #include <sensor_msgs/msg/image.hpp>
 #include <std_msgs/msg/string.hpp>
+#include <string>
 
 using net = tactnet::tactnet4<tactnet::shape{14, 25}, 22>; // the network of the weight file
 
@@ -25,8 +28,12 @@ public:
 
 private:
     void read(const sensor_msgs::msg::Image& image) {
-        if (image.encoding != "mono8")
-            return RCLCPP_ERROR_ONCE(get_logger(), "expected mono8, found %s", image.encoding.c_str());
+        constexpr tactnet::shape array = touch_core<net>::array;
+        if (image.encoding != "mono8" || image.height != array.rows || image.width != array.columns) {
+            RCLCPP_ERROR_ONCE(get_logger(), "expected mono8 of %zu x %zu, found %s of %u x %u", array.rows,
+                              array.columns, image.encoding.c_str(), image.height, image.width);
+            return;
+        }
         const auto report = core_.read(image.height, image.width, image.step, image.data);
         if (!report || report->label.empty())
             return;
@@ -42,7 +49,13 @@ private:
 
 int main(int argc, char** argv) {
     rclcpp::init(argc, argv);
-    rclcpp::spin(
-        std::make_shared<touch_node>()); // a weight file that does not fit ends the program with a sentence
+    int status = 0;
+    try {
+        rclcpp::spin(std::make_shared<touch_node>());
+    } catch (const std::exception& error) { // such as a weight file that does not fit
+        std::fprintf(stderr, "touch_node: %s\n", error.what());
+        status = 1;
+    }
     rclcpp::shutdown();
+    return status;
 }

@@ -309,8 +309,8 @@ grey_counts decode_npy(const std::string& file, const std::vector<std::byte>& by
     if (!one || std::ranges::any_of(all[0].cells, [](float cell) { return !std::isfinite(cell); }))
         throw file_error(file, "NPY data", "one image, of a finite number per tactel",
                          one ? "NaN or infinity" : std::to_string(all.size()) + " frames");
-    const std::string_view head(reinterpret_cast<const char*>(bytes.data()),
-                                std::min<std::size_t>(bytes.size(), 128));
+    std::string_view head(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    head = head.substr(0, head.find('\n')); // which ends the header
     return {all.description.rows,
             all.description.columns,
             head.find("u1',") < head.size()   ? 255

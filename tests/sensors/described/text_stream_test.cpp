@@ -87,7 +87,7 @@ TEST_CASE("text_stream: joined anywhere, damaged lines, and what is no such text
     CHECK(decode(text_stream(parse_sensor(R"({"rows": 1, "columns": 2, "cell": "digits", "leading_fields": 1,
                                               "seconds_per_tick": 10})")),
                  bytes_of("1e307,1,2\n1e308,1,2\n"))
-              .error == "byte 10, line 2, frame 2: expected a time stamp, found '1,2'");
+              .error == "byte 10, line 2, frame 2: expected a time stamp, found '1e308,1,2'");
     CHECK(decoded("hello\nworld\n").error ==
           "byte 0, line 1, frame 1: expected a number in field 1, found 'hello'");
     const auto rows = parse_sensor(R"({"rows": 2, "columns": 2, "cell": "digits", "line": "row"})");

@@ -230,11 +230,12 @@ private:
         if (filled_ == 0)
             seconds_.reset();
         for (std::size_t field = 0; field < description_.leading_fields; ++field) {
+            const std::string_view stamp = fields.rest();
             double ticks = 0;
             if (field > 0 || !description_.seconds_per_tick)
                 fields.skip();
             else if (!fields.number(ticks) || !std::isfinite(ticks * *description_.seconds_per_tick))
-                return misfit({"a time stamp"}, {detail::quoted{fields.rest().substr(0, 20)}});
+                return misfit({"a time stamp"}, {detail::quoted{stamp.substr(0, 20)}});
             else if (filled_ == 0)
                 seconds_ = ticks * *description_.seconds_per_tick;
         }

@@ -161,8 +161,9 @@ TEST_SUITE("program") {
         shop.refuses(training, "image2.png: expected 7 x 13 pixels (rows x columns), found 8 x 13 pixels");
         tactnet::write_file(image, good);
         fs::create_directory(shop.data() / "zebra");
-        shop.refuses(training, "zebra: expected at least one image (.jpg, .jpeg, .png) for this class, found "
-                               "an empty folder");
+        shop.refuses(training,
+                     "zebra: expected at least one image (.jpg, .jpeg, .png, .npy) for this class, found "
+                     "an empty folder");
         for (const char* folder : {"zebra", "left", "right"})
             fs::remove_all(shop.data() / folder);
         shop.refuses(training,
