@@ -21,7 +21,7 @@ using tactnet::file_error;
 /// A ZIP archive (PKWARE's APPNOTE, 4.3): a directory at its end says where entries are.
 class zip_archive {
 public:
-    /// Of which entries have at most `largest` bytes together.
+    /// Refuses an entry that would make more than `largest` bytes of those read.
     zip_archive(std::string file, std::span<const std::byte> bytes, std::size_t largest)
         : file_(std::move(file)), bytes_(bytes), left_(largest) {
         const std::size_t end = text(0, bytes.size(), "").rfind("PK\5\6");

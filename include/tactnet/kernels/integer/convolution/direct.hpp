@@ -156,7 +156,7 @@ struct direct_integer_method {
 private:
     /// All filters of a block after the other. Where blocks of the first or the last row are a large part of
     /// all, they leave out rows of padding, whose products are zero unless it counts. Each of them is code of
-    /// its own, which is small beside such weights.
+    /// its own, which is small compared with such weights.
     template <class Output>
     static void run_filters(const typename layout::staged* staged, const typename layout::weight* weights,
                             const integer_epilogue& epilogue, Output* output) {
