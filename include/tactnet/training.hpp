@@ -1,6 +1,7 @@
 #pragma once
 
 #include <tactnet/networks/batch_passes.hpp>
+#include <tactnet/training/choose_augmentation.hpp>
 #include <tactnet/training/data/labelled_samples.hpp>
 #include <tactnet/training/data/neighbours.hpp>
 #include <tactnet/training/data/sample_batch.hpp>
@@ -14,6 +15,7 @@
 #include <tactnet/training/loop/trainable.hpp>
 #include <tactnet/training/loss.hpp>
 #include <tactnet/training/metrics.hpp>
+#include <tactnet/training/mirror_partners.hpp>
 #include <tactnet/training/optimiser.hpp>
 #include <tactnet/training/recipe.hpp>
 #include <tactnet/training/schedule.hpp>

@@ -39,7 +39,7 @@ ROOMS = {
 HEADERS = {
     "io.hpp": "networks",  # what loading a model computes
     "io/model_file.hpp": "networks",  # it is the file of a networks/model.hpp
-    "io/model_description.hpp": "networks",  # which temperatures there are
+    "io/model_description.hpp": "networks lowering",  # which temperatures and input functions there are
     "io/svm_file.hpp": "svm",
     "io/deployed_file.hpp": "deployment networks",
     "io/eight_bit_file.hpp": "deployment networks",

@@ -84,8 +84,16 @@ public:
                 return interrupted_by_user;
             }
         }
-        training = what.train(recipe, data.view(), split_for(data, o.training, rule, o.seed), o.seed, threads,
-                              begins_with);
+        auto split = split_for(data, o.training, rule, o.seed);
+        catch_interrupts();
+        const auto choice = choose_recipe(what, o.training, data, split.training, o.seed, threads);
+        if (interrupted()) {
+            tell("stopped before the training\n");
+            return interrupted_by_user;
+        }
+        for (const std::string& reason : choice.reasons)
+            tell("augmentation: {}\n", printable(reason));
+        training = what.train(choice.chosen, data.view(), std::move(split), o.seed, threads, begins_with);
         begins_with.reset(); // the training has what it needs of it
         epochs = dynamic_cast<epoch_training*>(training.get());
         start(*training, from.get());

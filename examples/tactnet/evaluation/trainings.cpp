@@ -35,10 +35,9 @@ training_result result_of(const trained_method& trained, const task& t, const tr
     result.confusion = test.confusion;
     if (const auto scaling = fit_temperature(validation, validation_images, data))
         result.calibration = calibration_of(test, test_images, data, *scaling);
-    if (trained.averages_reflections())
+    if (const auto reflections = trained.reflections())
         result.reflected_accuracy =
-            trained.evaluate(data.view(), test_images, alone, tactnet::test_time_augmentation::reflections)
-                .confusion.accuracy();
+            trained.evaluate(data.view(), test_images, alone, *reflections).confusion.accuracy();
     result.validation_accuracy = validation.confusion.accuracy();
     result.training_accuracy = evaluated(training_images).confusion.accuracy();
     return result;
@@ -48,8 +47,10 @@ training_result result_of(const trained_method& trained, const task& t, const tr
 std::unique_ptr<training_run> train(const task& t, tactnet::thread_pool& alone) {
     const candidate& c = *t.of;
     const image_data& data = *c.data;
-    auto training = c.what->train(recipe_for(*c.what, c.training), data.view(),
-                                  split_for(data, c.training, t.rule, t.seed), t.seed, alone, c.pretrained);
+    auto split = split_for(data, c.training, t.rule, t.seed);
+    const tactnet::recipe recipe =
+        choose_recipe(*c.what, c.training, data, split.training, t.seed, alone).chosen;
+    auto training = c.what->train(recipe, data.view(), std::move(split), t.seed, alone, c.pretrained);
     start(*training, c.start.get());
     while (!training->finished() && !interrupted())
         training->advance();

@@ -73,7 +73,7 @@ std::string text(tactnet::augmentation_rule rule) {
 }
 
 std::string text(const tactnet::augmentation_ranges& ranges) {
-    const auto& [reflect_rows, reflect_columns, translation, rotation, scale, pressure, shear, erase] =
+    const auto& [reflect_rows, reflect_columns, translation, rotation, scale, pressure, shear, erase, noise] =
         ranges;
     std::string all =
         fmt::format("reflect rows {} columns {} translation {} rotation {} scale {} pressure {}",
@@ -82,6 +82,8 @@ std::string text(const tactnet::augmentation_ranges& ranges) {
         all += fmt::format(" shear {}", shear);
     if (erase != 0)
         all += fmt::format(" erase {}", erase);
+    if (noise != tactnet::pressure_noise{})
+        all += fmt::format(" noise {} of a count {}", noise.additive, noise.relative);
     return all;
 }
 
@@ -108,8 +110,9 @@ std::string pretrained_fingerprint(const std::string& path) {
 
 tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
     const auto& [name, epochs, batch, rate, pretrained_rate, optimiser, schedule, initialisation, input,
-                 augmentation, ranges, augment_full_resolution, label_smoothing, sharpness_radius, averaging,
-                 epsilon, remeasure_statistics, validate_every, patience, keeps_last] = recipe;
+                 function, augmentation, ranges, reflections, augment_full_resolution, label_smoothing,
+                 sharpness_radius, averaging, epsilon, remeasure_statistics, validate_every, patience,
+                 keeps_last] = recipe;
     tactnet::file_metadata all{
         {"recipe", text(name)},
         {"epochs", text(epochs)},
@@ -136,6 +139,14 @@ tactnet::file_metadata describe_recipe(const tactnet::recipe& recipe) {
         all["sharpness_radius"] = text(sharpness_radius);
     if (keeps_last)
         all["keeps"] = "last";
+    if (!function.identity())
+        all["function"] = fmt::format(
+            "{} knee {}", tactnet::count_rule_names[static_cast<std::size_t>(function.rule)], function.knee);
+    for (const auto& [axis, rule] :
+         {std::pair("rows", &reflections.rows), std::pair("columns", &reflections.columns)})
+        for (std::size_t c = 0; c < rule->partners.size(); ++c)
+            if (rule->partners[c] != c)
+                all[fmt::format("partner_{}_{}", axis, c)] = fmt::to_string(rule->partners[c]);
     return all;
 }
 
@@ -212,5 +223,9 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
         all["varied"] =
             fmt::format("{}x{} {}", data.taken.size.rows, data.taken.size.columns, data.taken.fingerprint);
     all.merge(describe_method(what, recipe));
+    if (s.chooses(what))
+        all["augmentation"] = "auto"; // of what it chooses among, the ranges
+    for (const std::string& partners : s.partners)
+        all["partners"] += partners + ' ';
     return all;
 }

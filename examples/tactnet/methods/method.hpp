@@ -10,6 +10,7 @@
 #include <tactnet/networks/published.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/shape.hpp>
+#include <tactnet/training/choose_augmentation.hpp>
 #include <tactnet/training/data/split.hpp>
 #include <tactnet/training/evaluate.hpp>
 #include <tactnet/training/recipe.hpp>
@@ -111,13 +112,12 @@ public:
     /// Bits of a weight: 8, or 32 in single precision.
     virtual std::size_t bits() const { return 32; }
     virtual const std::vector<std::string>& classes() const = 0;
-    /// Whether it averages the answers to an image and its reflections, if asked.
-    virtual bool averages_reflections() const { return false; }
+    /// The reflections over which it averages its answers, if asked; nothing for what does not do that.
+    virtual std::optional<tactnet::reflection_rule> reflections() const { return std::nullopt; }
     /// The loss of a support vector machine is NaN, and it has no logits.
-    virtual tactnet::evaluation
-    evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
-             tactnet::thread_pool& threads,
-             tactnet::test_time_augmentation how = tactnet::test_time_augmentation::none) const = 0;
+    virtual tactnet::evaluation evaluate(const tactnet::labelled_images& images,
+                                         std::span<const std::size_t> chosen, tactnet::thread_pool& threads,
+                                         const tactnet::test_time_augmentation& how = {}) const = 0;
     /// The temperature of a network's probabilities, see tactnet::model.
     virtual double temperature() const { return 1; }
     /// Of images that are stored one after the other.
@@ -203,6 +203,13 @@ public:
     virtual bool keeps_features() const { return false; }
     /// Opens the file of it. Throws tactnet::file_error; for methods that need one alone.
     virtual std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path&) const = 0;
+    /// The recipe with the augmentation that the training images bear (tactnet::choose_augmentation).
+    virtual tactnet::augmentation_choice choose(const tactnet::recipe& recipe, const image_data&,
+                                                std::span<const std::size_t> training, std::uint64_t seed,
+                                                tactnet::thread_pool&) const {
+        static_cast<void>(training), static_cast<void>(seed);
+        return {recipe, {}, {}};
+    }
     /// The images must outlive the training. Support vector machines have settings of their own in place of
     /// the recipe. `from`: what open_pretrained gave, if the method needs it.
     virtual std::unique_ptr<training_run> train(const tactnet::recipe& recipe,

@@ -6,6 +6,8 @@
 
 #include <tactnet/text/message.hpp>
 
+#include <numeric>
+
 namespace {
 
 /// Throws usage_error when the settings name a file for a method that has no use for it, and when they name
@@ -38,17 +40,27 @@ void check_settings(const method& what, const training_settings& s) {
     check_pretrained(what, s);
     check_bits(what, s.bits);
     if (!what.is_network() && static_cast<const epoch_settings&>(s) != epoch_settings{})
-        refuse("--epochs, --batch, --rate, --input, --augmentation, --rotation, --translation, --start: "
-               "expected a "
-               "network, found {}, which is not trained by epochs",
-               what.name);
+        refuse(
+            "--reflect, --partners, --scale, --gain, --noise, --erase, --input-function, --knee, --epochs, "
+            "--batch, --rate, --input, --augmentation, --rotation, --translation, --start: expected a "
+            "network, found {}, which is not trained by epochs",
+            what.name);
     if (what.pretrained() && !s.start.empty())
         refuse("--start: expected a network that begins with random weights, found {}, which begins with "
                "those of --pretrained",
                what.name);
-    if (s.augmentation == "none" && (s.rotation || s.translation))
-        refuse("--rotation, --translation: expected an augmentation, which they change, found --augmentation "
-               "none");
+    if (s.augmentation == "none" && (s.rotation || s.translation || s.scale || s.gain || s.noise || s.erase ||
+                                     s.reflect || !s.partners.empty()))
+        refuse(
+            "--scale, --gain, --noise, --erase, --reflect, --partners, --rotation, --translation: expected "
+            "an augmentation, which they change, found --augmentation none");
+    if (s.augmentation == "auto" && !what.begins_at_random())
+        refuse(
+            "--augmentation: expected none, each-epoch or sixfold for {}, which does not begin with random "
+            "weights, found auto",
+            what.name);
+    if (s.knee && !(s.function && s.function->ends_with("log")))
+        refuse("--knee: expected --input-function log or relative-log, whose knee it is, found none");
     if (what.pretrained() && s.input && *s.input != "scale")
         refuse("--input: expected scale, as weights learnt from photographs want it, for {}; found {}",
                what.name, *s.input);
@@ -99,9 +111,30 @@ void add_training_options(CLI::App& command, training_settings& s, const std::st
     add_option(command, "--input", s.input, CLI::IsMember({"mean", "scale", "counts"}),
                "Subtract the 'mean' image, 'scale' counts by 1/255, or use 'counts' unchanged (default: the "
                "recipe's)");
-    add_option(command, "--augmentation", s.augmentation, CLI::IsMember({"none", "each-epoch", "sixfold"}),
-               "Augmentation: 'none', new images in 'each-epoch', or five more per image, drawn once: "
-               "'sixfold' (default: the recipe's)");
+    add_option(
+        command, "--augmentation", s.augmentation, CLI::IsMember({"auto", "none", "each-epoch", "sixfold"}),
+        "Augmentation: 'none', new images in 'each-epoch', five more per image, drawn once: 'sixfold', "
+        "or 'auto': as 'each-epoch', with the kinds that short trainings on held-out images choose "
+        "(default: the recipe's)");
+    add_option(command, "--reflect", s.reflect, CLI::IsMember({"none", "rows", "columns", "both"}),
+               "Reflect images upside down, 'rows', left to right, 'columns', or 'both' (default: what "
+               "--augmentation says)");
+    command
+        .add_option("--partners", s.partners,
+                    "Classes that reflections of columns exchange, as left_side=right_side; all others "
+                    "stay what they are")
+        ->type_name("CLASS=CLASS");
+    add_option(command, "--scale", s.scale, number_up_to(10),
+               "Share by which augmentation enlarges or reduces images at most");
+    add_option(command, "--gain", s.gain, number_up_to(10),
+               "Share by which augmentation changes all counts of an image at most");
+    add_option(command, "--noise", s.noise, number_up_to(10), "Noise of augmentation, a share of each count");
+    add_option(command, "--erase", s.erase, number_up_to(1), "Share of images of which a part is erased");
+    add_option(command, "--input-function", s.function, CLI::IsMember(tactnet::count_rule_names),
+               "How counts are compressed: 'identity', square 'root', 'log', or 'relative-log' of counts "
+               "divided by the mean of the image (default: what --augmentation says)");
+    add_option(command, "--knee", s.knee, positive_number(),
+               "Counts, or multiples of the mean, from which 'log' compresses (default: 8, or 1)");
     add_option(command, "--rotation", s.rotation, number_up_to(180),
                "Degrees by which augmentation turns images at most (default: the recipe's)");
     add_option(command, "--translation", s.translation, number_up_to(4096),
@@ -221,6 +254,62 @@ tactnet::data_split split_for(const image_data& data, const training_settings& s
     return s.balance ? tactnet::balanced(std::move(split), data.images.labels) : split;
 }
 
+namespace {
+
+/// What options say of augmentation and input function, which goes before what images choose.
+void apply_kinds(tactnet::recipe& r, const training_settings& s) {
+    const auto set = [](double& to, const std::optional<double>& value) { to = value.value_or(to); };
+    set(r.ranges.rotation, s.rotation), set(r.ranges.translation, s.translation);
+    set(r.ranges.scale, s.scale), set(r.ranges.pressure, s.gain), set(r.ranges.erase, s.erase);
+    set(r.ranges.noise.relative, s.noise);
+    if (s.reflect) {
+        r.reflections.rows.reflects = *s.reflect == "rows" || *s.reflect == "both";
+        r.reflections.columns.reflects = *s.reflect == "columns" || *s.reflect == "both";
+        r.ranges.reflect_rows = r.reflections.rows.reflects ? 0.5 : 0;
+        r.ranges.reflect_columns = r.reflections.columns.reflects ? 0.5 : 0;
+    }
+    if (s.function) {
+        const auto rule = std::ranges::find(tactnet::count_rule_names, *s.function);
+        r.function = {static_cast<tactnet::count_rule>(rule - tactnet::count_rule_names.begin()),
+                      static_cast<float>(s.knee.value_or(*s.function == "log" ? 8 : 1))};
+    }
+}
+
+/// Throws usage_error for what is no pair of classes.
+std::vector<std::size_t> partners_of(std::span<const std::string> pairs,
+                                     const std::vector<std::string>& classes) {
+    std::vector<std::size_t> partners(classes.size());
+    std::iota(partners.begin(), partners.end(), std::size_t{0});
+    for (const std::string& pair : pairs) {
+        const std::size_t middle = pair.find('=');
+        const auto index = [&](const std::string& name) {
+            return static_cast<std::size_t>(std::ranges::find(classes, name) - classes.begin());
+        };
+        const std::size_t a = index(pair.substr(0, middle)),
+                          b = middle == std::string::npos ? classes.size() : index(pair.substr(middle + 1));
+        if (a >= classes.size() || b >= classes.size() || partners[a] != a || partners[b] != b)
+            refuse("--partners: expected two classes as left=right, each named once, found {}", pair);
+        partners[a] = b, partners[b] = a;
+    }
+    return partners;
+}
+
+} // namespace
+
+tactnet::augmentation_choice choose_recipe(const method& what, const training_settings& s,
+                                           const image_data& data, std::span<const std::size_t> training,
+                                           std::uint64_t seed, tactnet::thread_pool& threads) {
+    tactnet::augmentation_choice choice{recipe_for(what, s), {}, {}};
+    if (s.chooses(what))
+        choice = what.choose(choice.chosen, data, training, seed, threads);
+    apply_kinds(choice.chosen, s);
+    if (!s.partners.empty()) {
+        choice.chosen.ranges.reflect_columns = 0.5;
+        choice.chosen.reflections.columns = {true, partners_of(s.partners, data.images.classes)};
+    }
+    return choice;
+}
+
 tactnet::recipe recipe_for(const method& what, const training_settings& s) {
     check_settings(what, s);
     tactnet::recipe r = s.recipe == "published"
@@ -240,13 +329,10 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
                   : *s.input == "scale" ? tactnet::input_rule::scale
                                         : tactnet::input_rule::counts;
     if (s.augmentation)
-        r.augmentation = *s.augmentation == "none"         ? tactnet::augmentation_rule::none
-                         : *s.augmentation == "each-epoch" ? tactnet::augmentation_rule::each_epoch
-                                                           : tactnet::augmentation_rule::sixfold;
-    if (s.rotation)
-        r.ranges.rotation = *s.rotation;
-    if (s.translation)
-        r.ranges.translation = *s.translation;
+        r.augmentation = *s.augmentation == "none"      ? tactnet::augmentation_rule::none
+                         : *s.augmentation == "sixfold" ? tactnet::augmentation_rule::sixfold
+                                                        : tactnet::augmentation_rule::each_epoch;
+    apply_kinds(r, s);
     return r;
 }
 

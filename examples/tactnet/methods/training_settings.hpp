@@ -12,9 +12,10 @@ class App;
 /// Settings of a training by epochs, which support vector machines do not have.
 struct epoch_settings {
     std::optional<std::size_t> epochs, batch;
-    std::optional<double> rate, rotation, translation;
-    std::optional<std::string> input, augmentation;
-    std::string start; ///< weight file to begin with; empty for random weights
+    std::optional<double> rate, rotation, translation, scale, gain, noise, erase, knee;
+    std::optional<std::string> input, function, augmentation, reflect;
+    std::vector<std::string> partners; ///< "left=right": classes that reflections of columns exchange
+    std::string start;                 ///< weight file to begin with; empty for random weights
 
     bool operator==(const epoch_settings&) const = default;
 };
@@ -29,6 +30,9 @@ struct training_settings : epoch_settings {
     std::size_t folds = 5; ///< of rules with a number of them
     bool balance = false;  ///< rare classes are repeated in training
     std::size_t bits = 32; ///< of a weight, once it is trained: 8, or single precision
+
+    /// Whether the training images choose the augmentation.
+    bool chooses(const method& what) const { return what.begins_at_random() && augmentation == "auto"; }
 };
 
 /// --rows, --columns, --resize, --sensor, --recipe, all that changes a recipe and what a training begins
@@ -80,6 +84,11 @@ inline const std::vector<std::string> recipe_names{"default", "thorough", "publi
 
 /// The recipe for a method, with the user's changes. Throws usage_error.
 tactnet::recipe recipe_for(const method& what, const training_settings& settings);
+
+/// The recipe for a training on these images of a folder, with what they choose, and why. Throws usage_error.
+tactnet::augmentation_choice choose_recipe(const method& what, const training_settings& settings,
+                                           const image_data& data, std::span<const std::size_t> training,
+                                           std::uint64_t seed, tactnet::thread_pool& threads);
 
 /// The pretrained file in the settings, opened; null for a method that needs none. Throws usage_error where
 /// it is missing or of no use, and tactnet::file_error.

@@ -82,7 +82,8 @@ public:
     static_assert(std::is_same_v<typename Network::value_type, float>,
                   "deploy: networks are deployed in single precision; this one has another number type");
 
-    /// The input is (count − mean) × scale. Throws std::invalid_argument if the mean, the scale or a
+    /// The input is (count − mean) × scale, of compressed counts after set_input_function. Throws
+    /// std::invalid_argument if the mean, the scale or a
     /// parameter is NaN, infinite or beyond 1e30 once batch norms are folded in.
     deployed(const Network& network, std::span<const float, input_shape.size()> mean, float scale)
         requires std::is_same_v<Format, single_precision>
@@ -106,6 +107,8 @@ public:
         detail::check_trained("deploy", trained.network);
         set_classes(trained.classes);
         set_temperature(trained.temperature);
+        set_input_function(trained.normalise.function);
+        set_reflections(trained.reflections);
     }
     /// From folded numbers, as folded() returns them. Throws std::invalid_argument if one is NaN or infinite,
     /// or if the number format cannot hold it.
@@ -148,10 +151,27 @@ public:
     /// 1, or the temperature of the model or file.
     [[nodiscard]] double temperature() const noexcept { return temperature_; }
 
-    /// A view of these weights, which must outlive the view, and of the number of classes and the temperature
-    /// as they are now.
+    /// Sets how the counts of a frame are compressed. Throws std::invalid_argument for a knee that is not
+    /// valid.
+    void set_input_function(const input_function& function) {
+        detail::check_input_function("deploy", function);
+        function_ = function;
+    }
+    [[nodiscard]] const input_function& function() const noexcept { return function_; }
+
+    /// Sets which reflections show a class, for `reflection_average`. Throws std::invalid_argument for a
+    /// partner that is none of the outputs.
+    void set_reflections(reflection_rule rule) {
+        detail::check_partners("deploy", rule, outputs);
+        reflections_ = std::move(rule);
+    }
+    /// All, or those of the model or file.
+    [[nodiscard]] const reflection_rule& reflections() const noexcept { return reflections_; }
+
+    /// A view of these weights and reflections, which must outlive the view, and of the number of classes,
+    /// the temperature and the input function as they are now.
     [[nodiscard]] view_type view() const& noexcept {
-        return view_type(packed_.data(), class_count(), temperature_);
+        return view_type(packed_.data(), class_count(), temperature_, function_, view_of(reflections_));
     }
     view_type view() const&& = delete;
     operator view_type() const& noexcept { return view(); }
@@ -260,6 +280,8 @@ private:
     aligned_vector<typename Format::packed_number> packed_;
     std::vector<std::string> classes_;
     double temperature_ = 1;
+    input_function function_;
+    reflection_rule reflections_ = reflection_rule::all();
 };
 
 /// Turns a trained network into its fastest form, for inputs (count − mean) × scale. Takes any list of layers

@@ -4,6 +4,7 @@
 #include <tactnet/deployment/refused_call.hpp>
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/frame/elementwise.hpp>
+#include <tactnet/lowering/input_function.hpp>
 #include <tactnet/lowering/step.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/operators/sequence/step.hpp>
@@ -117,38 +118,49 @@ public:
     /// Whether to prefer layer-wise batching, and all threads for one frame.
     static constexpr bool layerwise = Steps::layerwise;
 
-    using base::base;
+    /// As the packed steps, for frames whose counts are compressed by a function, and with reflections that
+    /// show a class. Partners must be below `outputs`, and outlive the view as weights do.
+    constexpr explicit deployed_view(
+        const packed_number* packed, std::size_t classes = outputs, double temperature = 1,
+        const input_function& function = {},
+        const reflection_rule_view& reflections = reflection_rule_view::all()) noexcept
+        : base(packed, classes, temperature), function_(function), reflections_(reflections) {}
+    constexpr explicit deployed_view(
+        const packed_weights& weights, std::size_t classes = outputs, double temperature = 1,
+        const input_function& function = {},
+        const reflection_rule_view& reflections = reflection_rule_view::all()) noexcept
+        : base(weights, classes, temperature), function_(function), reflections_(reflections) {}
+    explicit deployed_view(const packed_weights&&, std::size_t = outputs, double = 1,
+                           const input_function& = {}, const reflection_rule_view& = {}) = delete;
+
+    /// Those over which reflection_average averages.
+    [[nodiscard]] constexpr const reflection_rule_view& reflections() const noexcept { return reflections_; }
 
     using detail::refused_calls<Input, outputs>::infer;
     using detail::refused_calls<Input, outputs>::classify;
 
     /// Writes the outputs of the network for a frame: logits, or whatever its last layer computes.
-    frame_status infer(frame_ref<Input> frame, std::span<float, outputs> to,
-                       workspace& memory) const noexcept {
-        activation* const in = memory.elements.data();
-        activation* const out = in + input::map;
-        const bool in_range = read(frame, in);
-        Steps::run(packed_ + input::packed_elements, in, out, out + output_map);
-        return output::write(out, to) && in_range ? frame_status::ok : frame_status::not_finite;
+    [[gnu::always_inline]] frame_status infer(frame_ref<Input> frame, std::span<float, outputs> to,
+                                              workspace& memory) const noexcept {
+        return function_.identity() ? infer_of<false>(frame, to, memory) : infer_of<true>(frame, to, memory);
     }
     /// As above, with a workspace on the stack.
-    frame_status infer(frame_ref<Input> frame, std::span<float, outputs> to) const noexcept {
+    [[gnu::always_inline]] frame_status infer(frame_ref<Input> frame,
+                                              std::span<float, outputs> to) const noexcept {
         check_stack();
-        workspace memory;
-        return infer(frame, to, memory);
+        return function_.identity() ? infer_of<false>(frame, to) : infer_of<true>(frame, to);
     }
     /// Returns the class that a frame most likely shows, without its name, or std::nullopt if the frame or
     /// its outputs are not finite.
-    [[nodiscard]] std::optional<recognition> classify(frame_ref<Input> frame,
-                                                      workspace& memory) const noexcept {
-        std::array<float, outputs> found;
-        return infer(frame, found, memory) == frame_status::ok ? classify_outputs(found) : std::nullopt;
+    [[nodiscard]] [[gnu::always_inline]] std::optional<recognition>
+    classify(frame_ref<Input> frame, workspace& memory) const noexcept {
+        return function_.identity() ? classify_of<false>(frame, memory) : classify_of<true>(frame, memory);
     }
     /// As above, with a workspace on the stack.
-    [[nodiscard]] std::optional<recognition> classify(frame_ref<Input> frame) const noexcept {
+    [[nodiscard]] [[gnu::always_inline]] std::optional<recognition>
+    classify(frame_ref<Input> frame) const noexcept {
         check_stack();
-        workspace memory;
-        return classify(frame, memory);
+        return function_.identity() ? classify_of<false>(frame) : classify_of<true>(frame);
     }
     /// Returns the class that the outputs of a frame name.
     [[nodiscard]] std::optional<recognition>
@@ -195,8 +207,11 @@ private:
             if (status != nullptr)
                 status[i] = frame_status::not_finite;
         };
-        executor.for_each_frame(
-            [&](std::size_t i) { check(i, read(frames[first + i], in + i * input::map)); });
+        executor.for_each_frame([&](std::size_t i) {
+            activation* const at = in + i * input::map;
+            check(i, function_.identity() ? read<false>(frames[first + i], at)
+                                          : read<true>(frames[first + i], at));
+        });
         Steps::run_batch(packed_ + input::packed_elements, in, input::map, out,
                          out + executor.copies() * output_map, executor);
         executor.for_each_frame([&](std::size_t i) {
@@ -206,15 +221,54 @@ private:
         return in_range ? frame_status::ok : frame_status::not_finite;
     }
 
+    // With and without an input function apart: the compiler sees that an exported header has none, and its
+    // firmware holds no code for it.
+    template <bool Compresses>
+    frame_status infer_of(frame_ref<Input> frame, std::span<float, outputs> to,
+                          workspace& memory) const noexcept {
+        activation* const in = memory.elements.data();
+        activation* const out = in + input::map;
+        const bool in_range = read<Compresses>(frame, in);
+        Steps::run(packed_ + input::packed_elements, in, out, out + output_map);
+        return output::write(out, to) && in_range ? frame_status::ok : frame_status::not_finite;
+    }
+    template <bool Compresses>
+    frame_status infer_of(frame_ref<Input> frame, std::span<float, outputs> to) const noexcept {
+        workspace memory;
+        return infer_of<Compresses>(frame, to, memory);
+    }
+    template <bool Compresses>
+    std::optional<recognition> classify_of(frame_ref<Input> frame, workspace& memory) const noexcept {
+        std::array<float, outputs> found;
+        return infer_of<Compresses>(frame, found, memory) == frame_status::ok ? classify_outputs(found)
+                                                                              : std::nullopt;
+    }
+    template <bool Compresses>
+    std::optional<recognition> classify_of(frame_ref<Input> frame) const noexcept {
+        workspace memory;
+        return classify_of<Compresses>(frame, memory);
+    }
+
+    template <bool Compresses>
     bool read(frame_ref<Input> frame, activation* in) const noexcept {
-        return frame.visit(
-            [&](auto frame_elements) { return input::read(packed_, frame_elements.data(), in); });
+        return frame.visit([&](auto frame_elements) {
+            if constexpr (Compresses) {
+                alignas(vector_alignment) std::array<float, Input.size()> compressed;
+                function_.apply(frame_elements.data(), compressed);
+                return input::read(packed_, compressed.data(), in);
+            } else {
+                return input::read(packed_, frame_elements.data(), in);
+            }
+        });
     }
     static constexpr void check_stack() {
         static_assert(fits_stack<workspace_bytes, max_stack_bytes>,
                       "deployed: this network needs more workspace than a stack should hold: give it some "
                       "from the heap; fits_stack shows bytes needed, bytes at most");
     }
+
+    input_function function_;
+    reflection_rule_view reflections_;
 };
 
 }} // namespace tactnet

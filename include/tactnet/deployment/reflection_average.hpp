@@ -10,8 +10,9 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// The mean of the outputs of a deployed network for a frame and its three reflections: more accurate if a
-/// touch may come either way round, in four times the time. Train on reflected images, as by default.
+/// The mean of the outputs of a deployed network for a frame and its reflections: more accurate if a touch
+/// may come either way round, in up to four times the time. The mean is over the reflections that the network
+/// was trained with, with the outputs of partners exchanged (deployed::reflections): all three by default.
 ///
 ///     reflection_average average(network.view());
 ///     const frame_status status = average.infer(counts, logits, workspace);
@@ -32,10 +33,10 @@ public:
         std::array<std::array<float, features>, all_reflections.size()> features_per_reflection;
     };
 
-    /// The weights of the view must outlive it.
+    /// The weights and the partners of the view must outlive it.
     constexpr explicit reflection_average(const View& network) noexcept : network_(network) {}
 
-    /// As the view's call. `not_finite` if one of the four is.
+    /// As the view's call. `not_finite` if one of the images is.
     frame_status infer(frame_ref<input_shape> frame, std::span<float, outputs> to,
                        workspace& memory) const noexcept {
         return infer_each(frame, to, memory, [](std::size_t) {});
@@ -47,7 +48,10 @@ public:
         const frame_status status = infer_each(frame, to, memory, [&](std::size_t i) {
             network_.read_features(memory.network, memory.features_per_reflection[i]);
         });
-        average(memory.features_per_reflection, to_features);
+        for (std::size_t f = 0; f < features; ++f)
+            to_features[f] = mean_of_reflections(network_.reflections().axes(), [&](std::size_t i) {
+                return memory.features_per_reflection[i][f];
+            });
         return status;
     }
 
@@ -66,6 +70,8 @@ private:
                             const Each& each) const noexcept {
         frame_status status = frame_status::ok;
         for (std::size_t i = 0; i < all_reflections.size(); ++i) {
+            if (!all_reflections[i].within(network_.reflections().axes()))
+                continue;
             frame.visit([&]<class Count>(tensor_view<const Count, input_shape> frame_elements) {
                 // Bytes stay bytes, which the network may read faster.
                 auto* const reflected = reinterpret_cast<Count*>(memory.frame.data());
@@ -76,15 +82,9 @@ private:
             });
             each(i);
         }
-        average(memory.outputs_per_reflection, to);
+        network_.reflections().average(
+            [&](std::size_t i) -> const auto& { return memory.outputs_per_reflection[i]; }, to);
         return status;
-    }
-    template <std::size_t Count>
-    static void average(const std::array<std::array<float, Count>, all_reflections.size()>& numbers,
-                        std::span<float, Count> to) noexcept {
-        const auto& [upright, rows, columns, both] = numbers;
-        for (std::size_t e = 0; e < Count; ++e)
-            to[e] = mean_of_reflections(upright[e], rows[e], columns[e], both[e]);
     }
 
     View network_;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <span>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
@@ -24,17 +25,21 @@ struct pressure_noise {
 
 /// Adds independent normal noise to counts and clamps them at zero; NaN stays. With the stream of
 /// (seed, random_purposes::noise, epoch, sample) the noise does not depend on where it is computed.
-template <shape Shape>
-void add_noise(const pressure_noise& noise, const random_stream& random, tensor_view<float, Shape> counts) {
+inline void add_noise(const pressure_noise& noise, const random_stream& random, std::span<float> counts) {
     if (noise == pressure_noise{})
         return;
-    kernels::normal_numbers(random).each(Shape.size(), [&](std::size_t tactel, float number) {
-        float& count = counts.data()[tactel];
+    kernels::normal_numbers(random).each(counts.size(), [&](std::size_t tactel, float number) {
+        float& count = counts[tactel];
         const double value = static_cast<double>(count), share = noise.relative * value;
         const double deviation = std::sqrt(noise.additive * noise.additive + share * share);
         const auto noisy = static_cast<float>(value + deviation * static_cast<double>(number));
         count = noisy < 0 ? 0 : noisy;
     });
+}
+/// As above, of an image of known size.
+template <shape Shape>
+void add_noise(const pressure_noise& noise, const random_stream& random, tensor_view<float, Shape> counts) {
+    add_noise(noise, random, counts.elements());
 }
 
 // Random augmentation of pressure images: ranges, a random motion from them, and its affine transform, which
@@ -56,6 +61,7 @@ struct augmentation_ranges {
     /// Probability of erasing a rectangle with sides of a tenth to a third of the image (random erasing;
     /// Zhong et al., 2017).
     double erase = 0;
+    pressure_noise noise{}; ///< added last, other numbers for each tactel
 
     /// The ranges in the authors' programs: reflections with probability ½; ± 3 tactels and ± 10° at 28 × 50,
     /// ± 2 and ± 3° at 20 × 35 and 14 × 25, ± 1 and ± 2° at 10 × 18 and 7 × 13.

@@ -37,6 +37,8 @@ struct stored_deployed {
     std::vector<float> folded; ///< for the constructor of `deployed`
     std::vector<std::string> classes;
     double temperature = 1; ///< of probabilities
+    input_function function{};
+    reflection_rule reflections = reflection_rule::all();
 };
 
 namespace detail {
@@ -95,7 +97,8 @@ for_each_folded(const folded_layout& layout, const stored_arrays& arrays,
     require_arrays(file, arrays, classes);
 
     stored_deployed stored{std::vector<float>(layout.numbers), std::move(d.classes),
-                           d.temperature.value_or(1.0)};
+                           d.temperature.value_or(1.0), d.function.value_or(input_function{}),
+                           d.reflections.value_or(reflection_rule::all())};
     float* const folded = stored.folded.data();
     const auto read = [&](const named_array& array) {
         const std::vector<float> values = file.values<float>(array.name);
@@ -143,7 +146,8 @@ for_each_folded(const folded_layout& layout, const stored_arrays& arrays,
 [[gnu::cold]] inline void add_deployed(safetensors_writer& writer, const folded_layout& layout,
                                        std::span<const float> folded, std::span<const std::string> classes,
                                        std::span<const std::uint8_t> selftest, const logits_function& logits,
-                                       double temperature = 1) {
+                                       double temperature = 1, const input_function& function = {},
+                                       const reflection_rule& reflections = reflection_rule::all()) {
     detail::check_classes("deployed", classes.size(), layout.outputs);
     const std::span<const float> mean = folded.first(layout.input.size());
     bool subtracts = false;
@@ -157,7 +161,9 @@ for_each_folded(const folded_layout& layout, const stored_arrays& arrays,
                                       .subtracts_mean = subtracts,
                                       .scale = {},
                                       .bits = 8,
-                                      .temperature = detail::to_store(temperature)});
+                                      .temperature = detail::to_store(temperature),
+                                      .function = detail::to_store(function),
+                                      .reflections = detail::to_store(reflections)});
     const stored_arrays arrays = detail::arrays_of(layout, classes.size());
     const auto add = [&](const named_array& array) {
         writer.add(array.name, array.extents, folded.subspan(array.offset, array.size));
@@ -191,6 +197,8 @@ template <class Network, class Format>
     stored_deployed stored = read_deployed(file, folded_layout_of<typename bytes::view_type>());
     constexpr std::size_t numbers = bytes::view_type::folded_elements;
     bytes network(std::span<const float, numbers>(stored.folded.data(), numbers));
+    network.set_input_function(stored.function);
+    network.set_reflections(std::move(stored.reflections));
     const std::size_t classes = stored.classes.size();
     check_deployed(file, Network::input_shape, classes, [&](std::span<const std::uint8_t> images) {
         return detail::logits_of(network, images, classes);
@@ -221,7 +229,7 @@ template <class Network>
         [&](std::span<const std::uint8_t> images) {
             return detail::logits_of(network, images, network.classes().size());
         },
-        network.temperature());
+        network.temperature(), network.function(), network.reflections());
     writer.write(path);
 }
 

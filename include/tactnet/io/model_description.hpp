@@ -3,7 +3,8 @@
 #include <tactnet/io/file_error.hpp>
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/safetensors/json_scanner.hpp>
-#include <tactnet/networks/recognition.hpp>
+#include <tactnet/lowering/input_function.hpp>
+#include <tactnet/networks/reflection_rule.hpp>
 #include <tactnet/text/message.hpp>
 #include <tactnet/text/numbers.hpp>
 
@@ -58,6 +59,9 @@ struct model_description {
     std::optional<std::size_t> bits{}; ///< of a weight: 8, or nothing for single precision
     /// What logits are divided by for calibrated probabilities (temperature_scaling).
     std::optional<double> temperature{};
+    std::optional<input_function> function{}; ///< of counts, before the mean is subtracted
+    /// Which reflections show a class; with partners by the order of the classes.
+    std::optional<reflection_rule> reflections{};
 };
 
 namespace detail {
@@ -93,6 +97,25 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
     if (ours)
         throw_metadata_error(file, key, expected, text);
     return std::nullopt;
+}
+
+/// The partner of each class by a JSON array of names; empty without one.
+inline std::vector<std::size_t> partners_in(const safetensors_index& file, std::string_view key,
+                                            std::span<const std::string> classes) {
+    std::vector<std::size_t> partners;
+    const std::string* const text = file.find_metadata(key);
+    if (text == nullptr)
+        return partners;
+    json_scanner scanner(*text, joined({file.file(), ": metadata '", key, "'"}), 0);
+    scanner.array([&] {
+        partners.push_back(static_cast<std::size_t>(
+            std::find(classes.begin(), classes.end(), scanner.string()) - classes.begin()));
+    });
+    scanner.end();
+    for (const std::size_t partner : partners)
+        if (partners.size() != classes.size() || partner >= classes.size())
+            throw_metadata_error(file, key, "the name of a class for each class", text);
+    return partners;
 }
 
 } // namespace detail
@@ -141,6 +164,22 @@ std::optional<Number> number_in(const safetensors_index& file, std::string_view 
     constexpr const char* temperatures = "a number from 0.001 to 1000";
     d.temperature = detail::number_in<double>(file, "temperature", temperatures, ours);
     require(!d.temperature || is_temperature(*d.temperature), "temperature", temperatures);
+    if (const std::string rule = text("input_function"); !rule.empty()) {
+        const auto found = std::find(count_rule_names.begin(), count_rule_names.end(), rule);
+        require(found != count_rule_names.end(), "input_function",
+                "'identity', 'root', 'log' or 'relative-log'");
+        d.function = {static_cast<count_rule>(found - count_rule_names.begin()),
+                      detail::number_in<float>(file, "input_knee", "a positive number", ours).value_or(1.0F)};
+        require(d.function->valid(), "input_knee", "a number from 0.001 to 1000000");
+    }
+    if (const std::string axes = text("reflected_axes"); !axes.empty()) {
+        const bool both = axes == "both";
+        require(both || axes == "none" || axes == "rows" || axes == "columns", "reflected_axes",
+                "'none', 'rows', 'columns' or 'both'");
+        d.reflections = {
+            {both || axes == "rows", detail::partners_in(file, "row_partners", d.classes)},
+            {both || axes == "columns", detail::partners_in(file, "column_partners", d.classes)}};
+    }
     return d;
 }
 

@@ -84,6 +84,8 @@ struct stored_model {
     float scale = 1;
     std::vector<std::string> classes;
     double temperature = 1; ///< of probabilities
+    input_function function{};
+    reflection_rule reflections = reflection_rule::all();
 };
 
 /// model::logits of any network, as an argument: a reference, which must not outlive what it refers to.
@@ -156,6 +158,8 @@ class_names(const safetensors_index& file, std::vector<std::string> names, std::
     }
     m.scale = d.scale.value_or(1.0F);
     m.temperature = d.temperature.value_or(1.0);
+    m.function = d.function.value_or(input_function{});
+    m.reflections = d.reflections.value_or(reflection_rule::all());
     return m;
 }
 
@@ -205,6 +209,8 @@ template <class Network>
     m.normalise.scale = stored.scale;
     m.classes = std::move(stored.classes);
     m.temperature = stored.temperature;
+    m.normalise.function = stored.function;
+    m.reflections = std::move(stored.reflections);
     return m;
 }
 

@@ -27,6 +27,8 @@ struct model_parts {
     float scale = 1;
     std::span<const std::string> classes;
     double temperature = 1; ///< of probabilities
+    input_function function{};
+    reflection_rule reflections = reflection_rule::all();
 };
 
 namespace detail {
@@ -34,6 +36,13 @@ namespace detail {
 /// What a file says of a temperature: nothing of 1, so that what the caller says in the metadata remains.
 [[nodiscard]] inline std::optional<double> to_store(double temperature) {
     return temperature == 1 ? std::nullopt : std::optional(temperature);
+}
+/// Nor of counts as they are, nor where each class is its own partner in all reflections.
+[[nodiscard]] inline std::optional<input_function> to_store(const input_function& function) {
+    return function.identity() ? std::nullopt : std::optional(function);
+}
+[[nodiscard]] inline std::optional<reflection_rule> to_store(const reflection_rule& rule) {
+    return rule == reflection_rule::all() ? std::nullopt : std::optional(rule);
 }
 
 [[gnu::cold]] inline std::string json_array(std::span<const std::string> texts) {
@@ -88,6 +97,23 @@ namespace detail {
         metadata["bits"] = std::to_string(*d.bits);
     if (d.temperature)
         metadata["temperature"] = shortest_number(*d.temperature);
+    if (d.function) {
+        metadata["input_function"] = count_rule_names[static_cast<std::size_t>(d.function->rule)];
+        metadata["input_knee"] = shortest_number(d.function->knee);
+    }
+    if (!d.reflections)
+        return;
+    const auto& [rows, columns] = *d.reflections;
+    metadata["reflected_axes"] = rows.reflects      ? columns.reflects ? "both" : "rows"
+                                 : columns.reflects ? "columns"
+                                                    : "none";
+    for (const auto& [key, axis] : {std::pair("row_partners", &rows), std::pair("column_partners", &columns)})
+        if (!axis->partners.empty()) {
+            std::vector<std::string> names;
+            for (std::size_t c = 0; c < d.classes.size(); ++c)
+                names.push_back(d.classes.at(axis->partner(c)));
+            metadata[key] = detail::json_array(names);
+        }
 }
 
 /// Adds all arrays of a network in single precision; of its output layer the rows of the first `classes`
@@ -116,7 +142,9 @@ template <class Network>
                       .mean = m.normalise.mean.view().elements(),
                       .scale = m.normalise.scale,
                       .classes = m.classes,
-                      .temperature = m.temperature};
+                      .temperature = m.temperature,
+                      .function = m.normalise.function,
+                      .reflections = m.reflections};
     m.network.for_each_parameter(
         [&](const auto&, std::span<const float> values) { parts.values.push_back(values); });
     return parts;
@@ -143,7 +171,9 @@ template <class Network>
                                       .subtracts_mean = subtracts,
                                       .scale = m.scale,
                                       .bits = {},
-                                      .temperature = detail::to_store(m.temperature)});
+                                      .temperature = detail::to_store(m.temperature),
+                                      .function = detail::to_store(m.function),
+                                      .reflections = detail::to_store(m.reflections)});
     for (std::size_t i = 0; i < m.values.size(); ++i)
         detail::add_array(writer, m.arrays, i, m.values[i], classes);
     if (subtracts)

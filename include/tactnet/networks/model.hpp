@@ -1,6 +1,8 @@
 #pragma once
 
+#include <tactnet/lowering/input_function.hpp>
 #include <tactnet/networks/recognition.hpp>
+#include <tactnet/networks/reflection_rule.hpp>
 #include <tactnet/operators/layer.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/tensor.hpp>
@@ -14,12 +16,13 @@
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
-/// Turns 8-bit counts into the input of a network: (count − mean) × scale. The mean is an image, in the paper
-/// that of the training set; a mean of zero and a scale of 1/255 give plain scaling.
+/// Turns 8-bit counts into the input of a network: (function of count − mean) × scale. The mean is an image,
+/// in the paper that of the training set; a mean of zero and a scale of 1/255 give plain scaling.
 template <shape Shape>
 struct normalisation {
     tensor<float, Shape> mean{};
     float scale = 1;
+    input_function function{};
 
     /// The mean over contiguous images, summed in integers without rounding errors.
     [[nodiscard]] static tensor<float, Shape> mean_of(std::span<const std::uint8_t> images,
@@ -37,6 +40,7 @@ struct normalisation {
 
     /// Normalises counts, as stored or augmented, in place.
     void apply(tensor_view<float, Shape> image) const {
+        function.apply(image.elements());
         for (std::size_t e = 0; e < Shape.size(); ++e)
             image.data()[e] = (image.data()[e] - mean.data()[e]) * scale;
     }
@@ -83,6 +87,14 @@ template <class Network>
                                     std::to_string(temperature));
 }
 
+[[gnu::cold, gnu::noinline]] inline void check_input_function(const char* caller,
+                                                              const input_function& function) {
+    if (!function.valid())
+        throw std::invalid_argument(std::string(caller) +
+                                    ": expected an input function with a knee from 0.001 to 1000000, found " +
+                                    std::to_string(function.knee));
+}
+
 } // namespace detail
 
 /// A trained network with its normalisation and the names of its classes.
@@ -94,6 +106,8 @@ struct model {
     std::vector<std::string> classes;
     /// What logits are divided by for probabilities (is_temperature): 1, or as fit_temperature finds it.
     double temperature = 1;
+    /// Which reflections of an image show a class, as in training.
+    reflection_rule reflections = reflection_rule::all();
 
     /// Logits of images stored one after the other: a row of Network::outputs for each. Throws
     /// std::invalid_argument unless there is a whole number of images, one or more.

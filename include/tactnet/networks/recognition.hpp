@@ -118,6 +118,11 @@ template <borrowed_names Names>
 /// A reflection of an image: flipped vertically, horizontally, both (a rotation by 180°) or not at all.
 struct reflection {
     bool rows = false, columns = false;
+
+    /// Whether it reflects along no other axes.
+    [[nodiscard]] constexpr bool within(reflection axes) const noexcept {
+        return (!rows || axes.rows) && (!columns || axes.columns);
+    }
 };
 
 /// The reflections of a touch: the object is the same in all of them.
@@ -141,5 +146,52 @@ constexpr void reflect_image(const shape& image, reflection how, const Count* fr
 [[nodiscard]] constexpr float mean_of_reflections(float upright, float rows, float columns, float both) {
     return ((upright + rows) + (columns + both)) / 4;
 }
+/// The same over the reflections along the given axes alone: at(r) is of all_reflections[r].
+template <class At>
+[[nodiscard]] constexpr float mean_of_reflections(reflection axes, const At& at) {
+    if (axes.rows && axes.columns)
+        return mean_of_reflections(at(0), at(1), at(2), at(3));
+    return axes.rows || axes.columns ? (at(0) + at(axes.rows ? 1 : 2)) / 2 : at(0);
+}
+
+/// Which reflections of an image show a class, and which class: for most touches the same one. Where left and
+/// right differ, the reflected image of a class shows its partner. `Partners` holds indices of classes, or
+/// refers to them.
+template <class Partners>
+struct basic_reflection_rule {
+    /// What one axis allows.
+    struct axis {
+        bool reflects = false; ///< whether reflected images show one of the classes at all
+        Partners partners{};   ///< of each class; empty if each is its own
+
+        /// The class that the reflected image of a class shows. What is no class stays so.
+        [[nodiscard]] constexpr std::size_t partner(std::size_t label) const {
+            return label < partners.size() ? partners[label] : label;
+        }
+        friend constexpr bool operator==(const axis&, const axis&) = default;
+    };
+    axis rows{}, columns{};
+
+    /// Each class is its own partner in all reflections.
+    [[nodiscard]] static constexpr basic_reflection_rule all() { return {{true, {}}, {true, {}}}; }
+    [[nodiscard]] constexpr reflection axes() const { return {rows.reflects, columns.reflects}; }
+    /// The class that the reflected image of a class shows.
+    [[nodiscard]] constexpr std::size_t partner(reflection how, std::size_t label) const {
+        const std::size_t upright = how.rows ? rows.partner(label) : label;
+        return how.columns ? columns.partner(upright) : upright;
+    }
+    /// Writes the mean of outputs over the images that it allows. `outputs_of(r)` is a row of outputs for
+    /// all_reflections[r], of a network with `to.size()` outputs.
+    template <class OutputsOf>
+    constexpr void average(const OutputsOf& outputs_of, std::span<float> to) const {
+        for (std::size_t e = 0; e < to.size(); ++e)
+            to[e] = mean_of_reflections(axes(), [&](std::size_t r) -> float {
+                return outputs_of(r)[partner(all_reflections[r], e)];
+            });
+    }
+    friend constexpr bool operator==(const basic_reflection_rule&, const basic_reflection_rule&) = default;
+};
+/// A rule whose partners are kept elsewhere.
+using reflection_rule_view = basic_reflection_rule<std::span<const std::size_t>>;
 
 }} // namespace tactnet

@@ -172,13 +172,16 @@ public:
     /// More images change weights too little to justify the time.
     static constexpr std::size_t max_images = 1024;
 
-    /// The input is (count − mean) × scale. `frames` holds consecutive images, [channel][row][column]; of
-    /// more than `max_images`, evenly spaced ones are used. Throws std::invalid_argument unless there is at
-    /// least one whole image, and if a number of the network or of an image is not finite or beyond 1e30.
+    /// The input is (count − mean) × scale, of compressed counts if there is an input function. `frames`
+    /// holds consecutive images, [channel][row][column]; of more than `max_images`, evenly spaced ones are
+    /// used. Throws std::invalid_argument unless there is at least one whole image, and if a number of the
+    /// network or of an image is not finite or beyond 1e30.
     [[gnu::cold]] eight_bit_calibration(const Network& network,
                                         std::span<const float, input_shape.size()> mean, float scale,
-                                        const frames_ref<input_shape>& frames)
-        : found_(calibration_graph_of<view>(), folded_of(network, mean), scale, chosen(frames), infer) {
+                                        const frames_ref<input_shape>& frames,
+                                        const input_function& function = {})
+        : found_(calibration_graph_of<view>(), folded_of(network, mean), scale, chosen(frames, function),
+                 infer) {
         round_weights(folded_layout_of<view>(), found_.folded());
     }
     /// The folded numbers of `deployed`; weights are whole multiples of their scales.
@@ -201,7 +204,9 @@ private:
                    folded.data() + view::steps_folded);
         return folded;
     }
-    [[gnu::cold]] static std::vector<float> chosen(const frames_ref<input_shape>& frames) {
+    /// Compressed, so that the network is calibrated without its input function.
+    [[gnu::cold]] static std::vector<float> chosen(const frames_ref<input_shape>& frames,
+                                                   const input_function& function) {
         constexpr std::size_t size = input_shape.size();
         const std::size_t count = frames.size(), used = std::min(count, max_images);
         if (count == 0 || count * size != frames.elements())
@@ -212,6 +217,7 @@ private:
             frames[i * count / used].visit([&](auto frame_elements) {
                 for (std::size_t e = 0; e < size; ++e)
                     images[i * size + e] = static_cast<float>(frame_elements.data()[e]);
+                function.apply(std::span(images).subspan(i * size, size));
             });
         return images;
     }
@@ -229,15 +235,18 @@ private:
     detail::calibrated_network found_;
 };
 
-/// Deploys a trained network in 8 bits, for inputs (count − mean) × scale. `images` are training images,
-/// which set the activation ranges. Throws std::invalid_argument as eight_bit_calibration.
+/// Deploys a trained network in 8 bits, for inputs (count − mean) × scale, of compressed counts if there is
+/// an input function. `images` are training images, which set the activation ranges. Throws
+/// std::invalid_argument as eight_bit_calibration.
 template <class Format, class Network>
     requires std::is_same_v<Format, eight_bit>
 [[nodiscard]] deployed<Network, eight_bit>
 deploy(const Network& network, std::span<const float, Network::input_shape.size()> mean, float scale,
-       const frames_ref<Network::input_shape>& images) {
-    return deployed<Network, eight_bit>(
-        eight_bit_calibration<Network>(network, mean, scale, images).folded());
+       const frames_ref<Network::input_shape>& images, const input_function& function = {}) {
+    deployed<Network, eight_bit> bytes(
+        eight_bit_calibration<Network>(network, mean, scale, images, function).folded());
+    bytes.set_input_function(function);
+    return bytes;
 }
 
 /// Deploys a trained network in 8 bits, with the names of its classes and its temperature:
@@ -248,9 +257,10 @@ template <class Format, class Network>
 [[nodiscard]] deployed<Network, eight_bit> deploy(const model<Network>& trained,
                                                   const frames_ref<Network::input_shape>& images) {
     auto network = deploy<eight_bit>(trained.network, trained.normalise.mean.view().elements(),
-                                     trained.normalise.scale, images);
+                                     trained.normalise.scale, images, trained.normalise.function);
     network.set_classes(trained.classes);
     network.set_temperature(trained.temperature);
+    network.set_reflections(trained.reflections);
     return network;
 }
 

@@ -68,6 +68,7 @@ public:
                     {"trainer: expected input_rule::scale for a network that takes counts, found "
                      "input_rule::",
                      how.input == input_rule::counts ? "counts" : "subtract_mean"});
+            step_.in().compress(how.function);
             if (how.input == input_rule::subtract_mean)
                 step_.in().subtract_mean(samples_.pixels(), split_.training);
             else if (how.input == input_rule::scale)
@@ -91,9 +92,12 @@ public:
         return split_.validation.empty() || how_.keeps_last ? candidate() : *best_;
     }
     [[nodiscard]] const trainable& latest() const { return candidate(); }
-    /// Inputs are (number − mean) × scale, of counts or of features.
+    /// Inputs are (number − mean) × scale, of compressed counts or of features.
     [[nodiscard]] std::span<const float> mean() const { return step_.in().mean(); }
     [[nodiscard]] float scale() const { return step_.in().scale(); }
+    /// Those of recipe::learnt_reflections.
+    [[nodiscard]] reflection_rule reflections() const { return how_.learnt_reflections(); }
+    [[nodiscard]] const input_function& function() const { return step_.in().function(); }
     [[nodiscard]] const data_split& split() const { return split_; }
 
     /// Starts from the parameters and statistics of another network, for example one trained on simulated
@@ -194,6 +198,7 @@ private:
         samples.check_classes(split.test);
         check_split(split, samples.labels());
         how.check();
+        detail::check_partners("trainer", how.reflections, samples.classes());
         if (split.training.empty())
             throw std::invalid_argument("trainer: the training part of the split holds no sample");
         return how;
@@ -231,7 +236,7 @@ private:
         });
         std::vector<std::size_t> labels(places.size());
         std::transform(places.begin(), places.end(), labels.begin(),
-                       [&](std::size_t place) { return shown_.label(place); });
+                       [&](std::size_t place) { return shown_.label(place, epoch); });
         const double loss = step_.run(labels, rate);
         if (how_.averaging > 0)
             average();
@@ -247,7 +252,7 @@ private:
 
     void validate(epoch_report& report) {
         const evaluation result =
-            evaluate(candidate(), mean(), scale(), samples_, split_.validation, threads_);
+            evaluate(candidate(), mean(), scale(), samples_, split_.validation, threads_, {}, function());
         detail::check_loss(result.loss, report, "validation");
         report.validation_loss = result.loss;
         report.validation_accuracy = result.confusion.accuracy();

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <tactnet/image/augmentation.hpp>
+#include <tactnet/lowering/input_function.hpp>
 #include <tactnet/networks/published.hpp>
+#include <tactnet/networks/reflection_rule.hpp>
 #include <tactnet/text/message.hpp>
 #include <tactnet/training/initialise.hpp>
 #include <tactnet/training/optimiser.hpp>
@@ -43,8 +45,11 @@ struct recipe {
     tactnet::schedule schedule = one_cycle{};
     tactnet::initialisation initialisation = he_normal{};
     input_rule input = input_rule::subtract_mean;
+    input_function function{}; ///< of counts, before the rule above
     augmentation_rule augmentation = augmentation_rule::each_epoch;
     augmentation_ranges ranges{};
+    /// The classes that reflected images show. Only reflections that `ranges` draw are made.
+    reflection_rule reflections = reflection_rule::all();
     /// Augment the images as they were taken, if these are given, and reduce the result; else augment the
     /// small ones. Translations are in tactels of the small ones either way.
     bool augment_full_resolution = true;
@@ -156,6 +161,16 @@ struct recipe {
         return r;
     }
 
+    /// Which reflections the network learns, and with which partners: averages over others would not do.
+    [[nodiscard]] reflection_rule learnt_reflections() const {
+        reflection_rule rule = reflections;
+        if (augmentation == augmentation_rule::none || ranges.reflect_rows == 0)
+            rule.rows = {};
+        if (augmentation == augmentation_rule::none || ranges.reflect_columns == 0)
+            rule.columns = {};
+        return rule;
+    }
+
     /// Throws std::invalid_argument for settings with which nothing could be learnt.
     void check() const {
         if (validate_every == 0)
@@ -165,6 +180,10 @@ struct recipe {
                 {"trainer: expected a label smoothing of 0 or more and below 1, with "
                  "which nothing could be learnt, found ",
                  std::to_string(label_smoothing)});
+        if (!function.valid())
+            detail::throw_invalid_argument(
+                {"trainer: expected an input function with a knee from 0.001 to 1000000, found ",
+                 std::to_string(function.knee)});
     }
 
 private:

@@ -23,6 +23,7 @@ public:
                         threads) {
         std::copy(mean().begin(), mean().end(), normalise_.mean.begin());
         normalise_.scale = scale();
+        normalise_.function = function();
     }
 
     /// The network with the smallest validation loss so far, smoothed over a few validations; the latest if

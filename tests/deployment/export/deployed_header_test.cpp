@@ -62,6 +62,9 @@ TEST_CASE("deployed_header: the network that it was written from") {
     CHECK(small::classes[1] == "\"a\\b\"\n?\?/");
     CHECK(small::classes[2] == "é");
     CHECK(mixed::classes.empty());
+    CHECK(small::recogniser.reflections().axes().rows);
+    CHECK_FALSE(mixed::recogniser.reflections().axes().rows);
+    CHECK(mixed::recogniser.reflections().columns.partner(0) == 2);
 }
 
 TEST_CASE("deployed_header: a network that no stack holds takes its memory from the caller") {

@@ -12,6 +12,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 // The networks that are written as headers. Generator and test make them alike.
 
@@ -90,5 +91,9 @@ tactnet::deployed<Network> deployed_network() {
     const auto mean = mean_of<Network>();
     auto network = tactnet::deploy(filled_network<Network>(), mean.view().elements(), 1.0f / 64);
     network.set_temperature(0.7);
+    if constexpr (std::is_same_v<Network, mixed_network>) {
+        network.set_input_function({tactnet::count_rule::relative_logarithm, 2});
+        network.set_reflections({{}, {true, {2, 1, 0}}});
+    }
     return network;
 }

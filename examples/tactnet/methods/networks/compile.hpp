@@ -17,11 +17,14 @@ template <class Network, class Format>
 class deployed_network final : public any_deployed {
 public:
     deployed_network(tactnet::deployed<Network, Format> own, const std::vector<std::string>& classes,
-                     double temperature)
+                     double temperature, const tactnet::input_function& function,
+                     tactnet::reflection_rule reflections)
         : own_(std::move(own)) {
         if (!classes.empty())
             own_.set_classes(classes);
         own_.set_temperature(temperature);
+        own_.set_input_function(function);
+        own_.set_reflections(std::move(reflections));
     }
 
     bool infer(tactnet::thread_pool& threads, std::span<const std::uint8_t> frames,
@@ -70,7 +73,7 @@ compiled_network compile_network() {
             return std::make_unique<deployed_network<Network, tactnet::single_precision>>(
                 tactnet::deploy(own.network(), std::span(model.mean).template first<input.size()>(),
                                 model.scale),
-                model.classes, model.temperature);
+                model.classes, model.temperature, model.function, model.reflections);
         },
         .onnx = nullptr,
         .variation_of = nullptr};
@@ -78,7 +81,7 @@ compiled_network compile_network() {
         code.onnx = [](const any_model& model) {
             const auto& own = static_cast<const tactnet::trainable_network<Network>&>(*model.network);
             return tactnet::onnx_model(own.network(), std::span(model.mean).template first<input.size()>(),
-                                       model.scale, model.classes);
+                                       model.scale, model.classes, model.function);
         };
     code.variation_of = [](const tactnet::shape& taken) -> tactnet::images_as_taken::variation {
         // Images of the paper's array are varied as they were taken, and reduced.

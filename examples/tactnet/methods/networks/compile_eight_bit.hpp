@@ -24,15 +24,16 @@ public:
         network->epsilon = model.network->epsilon();
         const tactnet::eight_bit_calibration<Network> calibration(
             *network, std::span(model.mean).template first<Network::input_shape.size()>(), model.scale,
-            images);
+            images, model.function);
         return {{calibration.folded().begin(), calibration.folded().end()},
                 calibration.output_error(),
                 calibration.output_error_of_rounded()};
     }
     std::unique_ptr<any_deployed> deploy(std::span<const float> folded,
-                                         const std::vector<std::string>& classes,
-                                         double temperature) const override {
+                                         const std::vector<std::string>& classes, double temperature,
+                                         const tactnet::input_function& function,
+                                         const tactnet::reflection_rule& reflections) const override {
         return std::make_unique<deployed_network<Network, tactnet::eight_bit>>(
-            bytes(folded.template first<numbers>()), classes, temperature);
+            bytes(folded.template first<numbers>()), classes, temperature, function, reflections);
     }
 };

@@ -20,6 +20,8 @@ struct any_model {
     float scale = 1;
     std::vector<std::string> classes;
     double temperature = 1; ///< see tactnet::model
+    tactnet::input_function function{};
+    tactnet::reflection_rule reflections = tactnet::reflection_rule::all();
 };
 
 /// A network in its fastest form, see tactnet::deploy.
@@ -78,8 +80,9 @@ public:
                                          std::span<const std::uint8_t> images) const = 0;
     /// Throws std::invalid_argument for numbers that cannot be. Without names, each output is a class.
     virtual std::unique_ptr<any_deployed> deploy(std::span<const float> folded,
-                                                 const std::vector<std::string>& classes,
-                                                 double temperature) const = 0;
+                                                 const std::vector<std::string>& classes, double temperature,
+                                                 const tactnet::input_function& function,
+                                                 const tactnet::reflection_rule& reflections) const = 0;
 };
 
 /// `type`: without what is between the brackets: "tactnet::tactnet6". `published`: the authors' training, if

@@ -8,6 +8,8 @@
 #include <tactnet/io/eight_bit_file.hpp>
 #include <tactnet/transfer/networks.hpp>
 
+#include <interrupt.hpp>
+
 namespace {
 
 /// Of images one after the other.
@@ -29,22 +31,25 @@ class eight_bit_network final : public trained_network {
 public:
     eight_bit_network(const compiled_network& code, const compiled_eight_bit& bytes,
                       std::vector<float> folded, std::vector<std::string> classes, double temperature,
+                      const tactnet::input_function& function, tactnet::reflection_rule reflections,
                       std::string calibration = {})
         : code_(code),
           layout_(bytes.layout()),
           folded_(std::move(folded)),
           classes_(std::move(classes)),
           temperature_(temperature),
+          function_(function),
+          reflections_(std::move(reflections)),
           calibration_(std::move(calibration)),
-          deployed_(bytes.deploy(folded_, classes_, temperature)) {}
+          deployed_(bytes.deploy(folded_, classes_, temperature, function, reflections_)) {}
 
     std::size_t bits() const override { return 8; }
     const std::vector<std::string>& classes() const override { return classes_; }
     std::string calibration() const override { return calibration_; }
-    bool averages_reflections() const override { return true; }
+    std::optional<tactnet::reflection_rule> reflections() const override { return reflections_; }
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
                                  tactnet::thread_pool& threads,
-                                 tactnet::test_time_augmentation how) const override {
+                                 const tactnet::test_time_augmentation& how) const override {
         // Counts as they are.
         const std::size_t pixels = code_.pixels();
         const std::vector<float> mean(pixels);
@@ -71,7 +76,8 @@ public:
         writer.metadata = metadata;
         tactnet::add_deployed(
             writer, layout_, folded_, classes_, selftest,
-            [&](std::span<const std::uint8_t> images) { return logits(images); }, temperature_);
+            [&](std::span<const std::uint8_t> images) { return logits(images); }, temperature_, function_,
+            reflections_);
         writer.write(path);
     }
     std::string header(const tactnet::header_description& says,
@@ -101,6 +107,8 @@ private:
     std::vector<float> folded_;
     std::vector<std::string> classes_;
     double temperature_;
+    tactnet::input_function function_;
+    tactnet::reflection_rule reflections_;
     std::string calibration_;
     std::unique_ptr<any_deployed> deployed_;
 };
@@ -114,11 +122,12 @@ public:
 
     const any_model* model() const override { return &model_; }
     const std::vector<std::string>& classes() const override { return model_.classes; }
-    bool averages_reflections() const override { return true; }
+    std::optional<tactnet::reflection_rule> reflections() const override { return model_.reflections; }
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
                                  tactnet::thread_pool& threads,
-                                 tactnet::test_time_augmentation how) const override {
-        return tactnet::evaluate(*model_.network, model_.mean, model_.scale, images, chosen, threads, how);
+                                 const tactnet::test_time_augmentation& how) const override {
+        return tactnet::evaluate(*model_.network, model_.mean, model_.scale, images, chosen, threads, how,
+                                 model_.function);
     }
     double temperature() const override { return model_.temperature; }
     std::vector<scored_class> recognise(std::span<const std::uint8_t> images,
@@ -140,8 +149,8 @@ public:
         if (bytes_ == nullptr)
             return trained_network::in_eight_bits(images, chosen);
         // As a file has it: outputs that stand for no class must not count when ranges are chosen.
-        any_model of_classes{model_.network->copy(), model_.mean, model_.scale, model_.classes,
-                             model_.temperature};
+        any_model of_classes{model_.network->copy(), model_.mean,     model_.scale,      model_.classes,
+                             model_.temperature,     model_.function, model_.reflections};
         const tactnet::stored_arrays stored = code_.arrays();
         const std::string last(stored.output_layer());
         const auto arrays = arrays_of(*of_classes.network);
@@ -156,7 +165,8 @@ public:
         }
         calibrated_numbers found = bytes_->calibrate(of_classes, shown);
         return std::make_unique<eight_bit_network>(
-            code_, *bytes_, std::move(found.folded), classes(), temperature(),
+            code_, *bytes_, std::move(found.folded), classes(), temperature(), model_.function,
+            model_.reflections,
             fmt::format("outputs differ by {:.2g} from those in single precision, by {:.2g} if weights were "
                         "merely rounded (roots of mean squares, on images of the training)",
                         found.output_error, found.output_error_of_rounded));
@@ -228,11 +238,12 @@ public:
         return sum;
     }
     frame_work make_work(std::size_t bits) const override {
-        any_model model{code_.make(), std::vector<float>(code_.pixels()), 1, {}};
+        any_model model{code_.make(), std::vector<float>(code_.pixels()), 1, {}, 1, {}, {}};
         draw_arrays(*model.network);
         std::shared_ptr<any_deployed> deployed =
-            bits == 8 ? bytes_->deploy(bytes_->calibrate(model, made_up_touches(4, image())).folded, {}, 1)
-                      : code_.deploy(model);
+            bits == 8
+                ? bytes_->deploy(bytes_->calibrate(model, made_up_touches(4, image())).folded, {}, 1, {}, {})
+                : code_.deploy(model);
         return
             [deployed = std::move(deployed), size = image(), outputs = code_.outputs,
              frames = std::vector<std::uint8_t>(), logits = std::vector<float>()](std::size_t count) mutable {
@@ -244,6 +255,14 @@ public:
                 if (!deployed->infer(alone, frames, logits))
                     throw std::runtime_error("expected finite logits of the frames that are timed");
             };
+    }
+    tactnet::augmentation_choice choose(const tactnet::recipe& recipe, const image_data& data,
+                                        std::span<const std::size_t> training, std::uint64_t seed,
+                                        tactnet::thread_pool& threads) const override {
+        tactnet::labelled_images varied = data.view();
+        varied.taken.vary = code_.variation_of(varied.taken.taken);
+        return tactnet::choose_augmentation(*code_.make(), recipe, varied, training, data.groups, seed,
+                                            threads, data.images.classes, interrupted);
     }
     std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,
                                         tactnet::data_split split, std::uint64_t seed,
@@ -279,7 +298,8 @@ public:
                 "folded");
         tactnet::stored_deployed stored = tactnet::read_deployed(file.arrays, bytes_->layout());
         auto network = std::make_unique<eight_bit_network>(code_, *bytes_, std::move(stored.folded),
-                                                           std::move(stored.classes), stored.temperature);
+                                                           std::move(stored.classes), stored.temperature,
+                                                           stored.function, std::move(stored.reflections));
         network->check_selftest(file.arrays);
         return network;
     }

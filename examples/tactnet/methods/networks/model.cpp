@@ -28,7 +28,9 @@ tactnet::model_parts parts_of(const any_model& model, tactnet::shape image, tact
                                .mean = model.mean,
                                .scale = model.scale,
                                .classes = model.classes,
-                               .temperature = model.temperature};
+                               .temperature = model.temperature,
+                               .function = model.function,
+                               .reflections = model.reflections};
     for (const std::span<float> values : arrays_of(*model.network))
         parts.values.push_back(values);
     return parts;
@@ -37,8 +39,13 @@ tactnet::model_parts parts_of(const any_model& model, tactnet::shape image, tact
 any_model load_model(const compiled_network& code, const tactnet::safetensors& file, tactnet::shape image,
                      std::optional<double> epsilon) {
     tactnet::stored_model stored = tactnet::read_model(file, image, code.arrays(), epsilon);
-    any_model model{code.make(), std::move(stored.mean), stored.scale, std::move(stored.classes),
-                    stored.temperature};
+    any_model model{code.make(),
+                    std::move(stored.mean),
+                    stored.scale,
+                    std::move(stored.classes),
+                    stored.temperature,
+                    stored.function,
+                    std::move(stored.reflections)};
     model.network->epsilon() = stored.epsilon;
     model.mean.resize(code.pixels());
     const auto arrays = arrays_of(*model.network);
@@ -65,6 +72,7 @@ std::vector<float> logits_of(const any_model& model, std::size_t count,
     std::vector<float> sample(size), result;
     for (std::size_t i = 0; i < count; ++i) {
         make(i, sample);
+        model.function.apply(sample);
         for (std::size_t e = 0; e < size; ++e)
             sample[e] = (sample[e] - model.mean[e]) * model.scale;
         in.set(i, sample);
@@ -138,5 +146,11 @@ tactnet::checksum_state epoch_training::load_checkpoint(const std::filesystem::p
     return tactnet::load_checkpoint(path, loop_, settings);
 }
 std::unique_ptr<trained_method> epoch_training::best(const std::vector<std::string>& classes) const {
-    return finish_({loop_.best().copy(), {loop_.mean().begin(), loop_.mean().end()}, loop_.scale(), classes});
+    return finish_({loop_.best().copy(),
+                    {loop_.mean().begin(), loop_.mean().end()},
+                    loop_.scale(),
+                    classes,
+                    1,
+                    loop_.function(),
+                    loop_.reflections()});
 }

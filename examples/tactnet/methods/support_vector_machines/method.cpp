@@ -80,7 +80,7 @@ public:
     const std::vector<std::string>& classes() const override { return classes_; }
     tactnet::evaluation evaluate(const tactnet::labelled_images& images, std::span<const std::size_t> chosen,
                                  tactnet::thread_pool& threads,
-                                 tactnet::test_time_augmentation) const override {
+                                 const tactnet::test_time_augmentation&) const override {
         tactnet::evaluation result{
             std::numeric_limits<double>::quiet_NaN(), tactnet::confusion_matrix(images.classes), {}, {}};
         for (const scored_class& found : recognise_chosen(images.pixels, chosen, threads)) {

@@ -15,6 +15,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 // Writes a deployed network or a stream as a C++ header, for targets without files. A header compiles for any
@@ -106,11 +107,36 @@ template <class Network, class Format, class View>
 }
 
 /// The arguments of a view after its packed weights, if they differ from the defaults.
-[[nodiscard]] inline std::string known_arguments(const header_description& description, double temperature) {
+[[nodiscard]] inline std::string known_arguments(const header_description& description, double temperature,
+                                                 const input_function& function = {},
+                                                 const reflection_rule& rule = reflection_rule::all()) {
     const std::string classes = description.classes.empty() ? "recogniser_type::outputs" : "classes.size()";
+    const auto axis = [](const reflection_rule::axis& a, const char* partners) {
+        return std::string(a.reflects ? "{true, {" : "{false, {") + (a.partners.empty() ? "" : partners) +
+               "}}";
+    };
+    if (!function.identity() || rule != reflection_rule::all())
+        return ", " + classes + ", " + literal(temperature) +
+               ", tactnet::input_function{static_cast<tactnet::count_rule>(" +
+               std::to_string(static_cast<int>(function.rule)) + "), " + literal(function.knee) +
+               "}, tactnet::reflection_rule_view{" + axis(rule.rows, "row_partners") + ", " +
+               axis(rule.columns, "column_partners") + "}";
     if (temperature != 1)
         return ", " + classes + ", " + literal(temperature);
     return description.classes.empty() ? "" : ", " + classes;
+}
+
+/// The partners of classes along the axes that have some.
+[[nodiscard]] inline std::string partner_arrays(const reflection_rule& rule) {
+    std::string arrays;
+    for (const auto& [name, axis] :
+         {std::pair("row_partners", &rule.rows), std::pair("column_partners", &rule.columns)})
+        if (!axis->partners.empty())
+            arrays += joined(
+                {"inline constexpr std::array<std::size_t, ", axis->partners.size(), "> ", name, "{\n",
+                 number_lines<std::size_t>(axis->partners, [](std::size_t p) { return std::to_string(p); }),
+                 "};\n"});
+    return arrays;
 }
 
 } // namespace detail
@@ -145,7 +171,9 @@ template <class Network, class Format>
         {{"contents", "The mean frame, the scale, the largest input, then weights and biases step by step."},
          {"size", detail::size_of(input)},
          {"remaining", std::to_string(view::folded_elements - view::steps_folded)},
-         {"known", detail::known_arguments(description, network.temperature())},
+         {"known", detail::known_arguments(description, network.temperature(), network.function(),
+                                           network.reflections())},
+         {"partners", detail::partner_arrays(network.reflections())},
          {"on a stack", on_stack ? detail::selftest_on_stack : ""},
          {"frame", detail::number_lines<std::uint8_t>(
                        frame, [](std::uint8_t count) { return std::to_string(count); })}});

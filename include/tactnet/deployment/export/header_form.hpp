@@ -118,7 +118,7 @@ inline constexpr std::array<float, recogniser_type::folded_elements> folded{
 static_assert(folded.size() == @count@, "this header does not fit this version of tactnet");
 
 @packed@
-inline constexpr recogniser_type recogniser(packed@known@);
+@partners@inline constexpr recogniser_type recogniser(packed@known@);
 
 )";
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <span>
@@ -85,6 +86,28 @@ struct onnx_layer<gate<Branch...>> {
     }
 };
 
+/// Counts at most 255 after 255 · log(1 + x ÷ unit) ÷ log(1 + 255 ÷ knee), or √(255 x). Without the rounding
+/// of input_function.
+[[gnu::cold]] inline std::string add_input_function(onnx_graph& g, std::string counts,
+                                                    const input_function& function) {
+    if (function.identity())
+        return counts;
+    const float knee = function.knee;
+    counts = g.node("Max", {counts, g.constant(0.0F)});
+    if (function.rule == count_rule::square_root) {
+        counts = g.node("Sqrt", {g.node("Mul", {counts, g.constant(255.0F)})});
+    } else {
+        std::string unit = g.constant(knee);
+        if (function.rule == count_rule::relative_logarithm) { // without contact 0, whatever divides it
+            const std::string mean = g.node("ReduceMean", {counts}, {onnx_attribute("axes", {1, 2, 3})});
+            unit = g.node("Max", {g.node("Mul", {mean, unit}), g.constant(1e-30F)});
+        }
+        const std::string shifted = g.node("Add", {g.node("Div", {counts, unit}), g.constant(1.0F)});
+        counts = g.node("Mul", {g.node("Log", {shifted}), g.constant(255 / std::log(1 + 255 / knee))});
+    }
+    return g.node("Min", {counts, g.constant(255.0F)});
+}
+
 } // namespace detail
 
 /// Whether `onnx_model` writes the network: all layers but those of sequences, adaptive pools of several
@@ -93,14 +116,14 @@ template <class Network>
 concept has_onnx_form = detail::onnx_layer<typename Network::specification>::exists;
 
 /// The bytes of an ONNX file (operator set 17) of a trained network. Its input `counts` is [batch, channels,
-/// rows, columns] of counts, which the model normalises; its output [batch, outputs] is `logits`, or
-/// `probabilities` of a network that ends in a softmax. The names of classes are the property `classes`, one
-/// a line. Layers stay as they are: runtimes fold batch norms by themselves. Throws std::invalid_argument for
-/// a network whose weights are all zero.
+/// rows, columns] of counts, which the model compresses and normalises; its output [batch, outputs] is
+/// `logits`, or `probabilities` of a network that ends in a softmax. The names of classes are the property
+/// `classes`, one a line. Layers stay as they are: runtimes fold batch norms by themselves. Throws
+/// std::invalid_argument for a network whose weights are all zero.
 template <class Network>
-[[nodiscard]] [[gnu::cold]] std::string onnx_model(const Network& network,
-                                                   std::span<const float, Network::input_shape.size()> mean,
-                                                   float scale, std::span<const std::string> classes) {
+[[nodiscard]] [[gnu::cold]] std::string
+onnx_model(const Network& network, std::span<const float, Network::input_shape.size()> mean, float scale,
+           std::span<const std::string> classes, const input_function& function = {}) {
     static_assert(
         has_onnx_form<Network>,
         "onnx_model: the network has a layer without a form in ONNX; has_onnx_form lists which have one");
@@ -108,6 +131,7 @@ template <class Network>
     detail::check_trained("onnx_model", network);
     detail::onnx_graph g;
     detail::onnx_tensor at{"counts"};
+    at.name = detail::add_input_function(g, at.name, function);
     if (std::ranges::any_of(mean, [](float value) { return value != 0; }))
         at.name = g.node("Sub", {at.name, g.constant(mean, {1, in.channels, in.rows, in.columns})});
     if (scale != 1)
@@ -130,7 +154,7 @@ template <class Network>
 [[nodiscard]] [[gnu::cold]] std::string onnx_model(const model<Network>& m) {
     constexpr std::size_t size = Network::input_shape.size();
     return onnx_model(m.network, std::span<const float, size>(m.normalise.mean.data(), size),
-                      m.normalise.scale, m.classes);
+                      m.normalise.scale, m.classes, m.normalise.function);
 }
 
 }} // namespace tactnet

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <tactnet/kernels/simd/vector.hpp>
+#include <tactnet/lowering/input_function.hpp>
 #include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -44,16 +46,34 @@ private:
     aligned_vector<float> elements_;
 };
 
-/// The input batch of a network: images of counts as (count − mean) × scale. Features keep a mean of zero and
-/// a scale of 1.
+/// The input batch of a network: images of counts as (function of count − mean) × scale. Features keep a mean
+/// of zero and a scale of 1.
 class normalised_batch {
 public:
     /// `size` is the number of pixels. The mean is zero and the scale 1 until set.
     normalised_batch(std::size_t size, thread_pool& threads)
         : threads_(threads), mean_(size), samples_(size) {}
 
-    /// Subtracts the mean of the chosen images, one or more, summed in integers without rounding errors.
+    /// Before subtract_mean.
+    void compress(const input_function& function) { function_ = function; }
+    [[nodiscard]] const input_function& function() const { return function_; }
+    /// Subtracts the mean of the chosen images, one or more, summed in integers without rounding errors; of
+    /// compressed ones in double.
     void subtract_mean(std::span<const std::uint8_t> pixels, std::span<const std::size_t> chosen) {
+        if (!function_.identity()) {
+            std::vector<double> sums(mean_.size());
+            std::vector<float> image(mean_.size());
+            for (const std::size_t i : chosen) {
+                const auto counts = pixels.subspan(i * image.size(), image.size());
+                std::copy(counts.begin(), counts.end(), image.begin());
+                function_.apply(image);
+                for (std::size_t e = 0; e < image.size(); ++e)
+                    sums[e] += static_cast<double>(image[e]);
+            }
+            for (std::size_t e = 0; e < image.size(); ++e)
+                mean_[e] = static_cast<float>(sums[e] / static_cast<double>(chosen.size()));
+            return;
+        }
         for (std::size_t e = 0; e < mean_.size(); ++e) {
             std::uint64_t sum = 0;
             for (const std::size_t image : chosen)
@@ -74,6 +94,7 @@ public:
             const auto counts = std::span(at_work_).subspan(share.index * mean_.size(), mean_.size());
             for (std::size_t i = share.begin(count); i < share.end(count); ++i) {
                 make(i, counts);
+                function_.apply(counts);
                 for (std::size_t e = 0; e < counts.size(); ++e)
                     counts[e] = (counts[e] - mean_[e]) * scale_;
                 samples_.set(i, counts);
@@ -86,6 +107,7 @@ private:
     thread_pool& threads_;
     std::vector<float> mean_;
     float scale_ = 1;
+    input_function function_;
     sample_batch samples_;
     std::vector<float> at_work_; ///< an image for each thread
 };

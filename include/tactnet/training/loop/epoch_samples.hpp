@@ -28,6 +28,7 @@ public:
           numbers_(network.input_shape().size()),
           rule_(samples.are_images() ? how.augmentation : augmentation_rule::none),
           ranges_(how.ranges),
+          reflections_(how.reflections),
           samples_(samples),
           taken_(how.augment_full_resolution ? samples.taken() : images_as_taken{}),
           chosen_(std::move(chosen)),
@@ -43,8 +44,11 @@ public:
         sixfold_.resize(size() * numbers_);
         threads.for_each(size(), [&](std::size_t place) {
             const std::size_t copy = place % 6;
-            const image_transform t = copy == 0 ? image_transform{} : drawn(place, copy);
-            vary(t, place, sixfold_.data() + place * numbers_);
+            const std::span<float> to(sixfold_.data() + place * numbers_, numbers_);
+            if (copy == 0)
+                vary({}, place, to.data());
+            else
+                vary(place, copy, to);
         });
     }
 
@@ -67,7 +71,16 @@ public:
         return order.subspan(first, last - first);
     }
 
-    [[nodiscard]] std::size_t label(std::size_t place) const { return samples_.label(sample_at(place)); }
+    /// The class that the sample at a place shows in that epoch, since its reflection may show a partner.
+    [[nodiscard]] std::size_t label(std::size_t place, std::size_t epoch) const {
+        const std::size_t label = samples_.label(sample_at(place)),
+                          copy = rule_ == augmentation_rule::sixfold ? place % 6 : epoch;
+        if (rule_ == augmentation_rule::none || (rule_ == augmentation_rule::sixfold && copy == 0) ||
+            (reflections_.rows.partners.empty() && reflections_.columns.partners.empty()))
+            return label;
+        const image_motion m = drawn(place, copy);
+        return reflections_.partner({m.reflect_rows, m.reflect_columns}, label);
+    }
     /// Writes the sample at a place as augmented in that epoch: counts, or features.
     void make(std::size_t place, std::size_t epoch, std::span<float> to) const {
         if (rule_ == augmentation_rule::sixfold) {
@@ -77,7 +90,7 @@ public:
         if (rule_ == augmentation_rule::none)
             samples_.copy(sample_at(place), to);
         else
-            vary(drawn(place, epoch), place, to.data());
+            vary(place, epoch, to);
     }
 
 private:
@@ -89,16 +102,23 @@ private:
         else
             transform_(t, samples_.pixels().data() + sample_at(place) * numbers_, to);
     }
-    [[nodiscard]] image_transform drawn(std::size_t place, std::size_t time) const {
-        random_stream random(seed_, random_purposes::augmentation, static_cast<std::uint32_t>(time),
-                             drawn_as_[place / copies()]);
-        return image_transform::draw(ranges_, random);
+    void vary(std::size_t place, std::size_t time, std::span<float> to) const {
+        vary(image_transform::of(drawn(place, time)), place, to.data());
+        add_noise(ranges_.noise, stream(random_purposes::noise, place, time), to);
+    }
+    [[nodiscard]] image_motion drawn(std::size_t place, std::size_t time) const {
+        random_stream random = stream(random_purposes::augmentation, place, time);
+        return image_motion::draw(ranges_, random);
+    }
+    [[nodiscard]] random_stream stream(random_purpose purpose, std::size_t place, std::size_t time) const {
+        return {seed_, purpose, static_cast<std::uint32_t>(time), drawn_as_[place / copies()]};
     }
 
     trainable::transformer transform_;
     std::size_t numbers_; ///< of a sample
     augmentation_rule rule_;
     augmentation_ranges ranges_;
+    reflection_rule reflections_;
     labelled_samples samples_;
     images_as_taken taken_; ///< empty if the recipe does not vary them
     std::vector<std::size_t> chosen_;

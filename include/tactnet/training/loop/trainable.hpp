@@ -81,17 +81,18 @@ protected:
 };
 
 /// Evaluates a network of any type, as the overload for a known type does. Inputs are (value − mean) × scale,
-/// with a mean for each value of a sample.
+/// with a mean for each value of a sample, of compressed counts if there is an input function.
 [[nodiscard]] inline evaluation evaluate(const trainable& network, std::span<const float> mean, float scale,
                                          const labelled_samples& samples, std::span<const std::size_t> chosen,
-                                         thread_pool& threads,
-                                         test_time_augmentation how = test_time_augmentation::none) {
+                                         thread_pool& threads, const test_time_augmentation& how = {},
+                                         const input_function& function = {}) {
     samples.check(network.input_shape(), network.outputs());
     const auto space = network.make_workspace();
     network.prepare(threads, *space);
     return detail::evaluate(
         network.input_shape(), mean, scale, network.outputs(), samples, chosen, how,
-        [&](const sample_batch& in, sample_batch& out) { network.logits(in, out, threads, *space); });
+        [&](const sample_batch& in, sample_batch& out) { network.logits(in, out, threads, *space); },
+        function);
 }
 
 /// Implements `trainable` for a type of network: the only part that compiles anew for each network.

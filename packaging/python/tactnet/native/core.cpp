@@ -78,6 +78,13 @@ private:
 };
 using shared_code = std::shared_ptr<const compiled>;
 
+/// Networks here have no input function: such a file would be read as another network.
+void refuse_function(const tactnet::safetensors& file, const tactnet::input_function& function) {
+    if (!function.identity())
+        throw tactnet::file_error(file.file(), "metadata 'input_function'", "a network without one",
+                                  "one with");
+}
+
 struct frames_argument {
     py::array kept;
     frames_view view;
@@ -134,6 +141,7 @@ public:
     std::vector<std::string> classes;
     double temperature = 1;
     int bits = 32;
+    tactnet::reflection_rule reflections = tactnet::reflection_rule::all(); ///< kept for files
 
     py::array_t<float> scores(const py::array& x, std::size_t threads) const {
         const frames_argument frames = frames_of(x, code->facts().input);
@@ -177,6 +185,10 @@ public:
         if (static_cast<std::size_t>(frame.size()) != code->pixels())
             throw_invalid_argument({"header: expected a frame of ", code->pixels(), " counts, found ",
                                     static_cast<std::size_t>(frame.size())});
+        if (reflections != tactnet::reflection_rule::all())
+            throw_invalid_argument(
+                {"header: expected a network with all reflections, found one with its own, "
+                 "which `tactnet export` writes"});
         return own->header({.network = network, .namespace_name = name, .classes = classes},
                            std::span(frame.data(), code->pixels()));
     }
@@ -187,7 +199,8 @@ public:
         tactnet::add_deployed(
             writer, code->call(&network_code::layout)(), own->folded(), classes,
             std::span(selftest.data(), static_cast<std::size_t>(selftest.size())),
-            [&](std::span<const std::uint8_t> images) { return logits_of(images); }, temperature);
+            [&](std::span<const std::uint8_t> images) { return logits_of(images); }, temperature, {},
+            reflections);
         return to_python(writer.to_bytes());
     }
     std::vector<float> logits_of(std::span<const std::uint8_t> images) const {
@@ -237,6 +250,7 @@ public:
     trained_numbers numbers;
     std::vector<std::string> classes;
     double temperature = 1;
+    tactnet::reflection_rule reflections = tactnet::reflection_rule::all(); ///< kept for files
 
     /// Reads a file. Runs its self-test as the deployed network, or, if that gives probabilities, as it is
     /// trained.
@@ -244,13 +258,15 @@ public:
         const tactnet::safetensors file = tactnet::safetensors::parse(to_vector(data), name);
         const tactnet::shape input = code->facts().input;
         tactnet::stored_model stored = tactnet::read_model(file, input, code->arrays());
+        refuse_function(file, stored.function);
         stored.mean.resize(input.size());
         for (std::size_t i = 0; i < stored.arrays.size(); ++i)
             stored.arrays[i].resize(code->facts().arrays[i].size);
         model m{std::move(code),
                 {std::move(stored.arrays), stored.epsilon, std::move(stored.mean), stored.scale},
                 std::move(stored.classes),
-                stored.temperature};
+                stored.temperature,
+                std::move(stored.reflections)};
         tactnet::check_selftest(file, input, m.classes.size(),
                                 [&](std::span<const std::uint8_t> images) { return m.logits_of(images); });
         return m;
@@ -263,7 +279,8 @@ public:
                                    .mean = numbers.mean,
                                    .scale = numbers.scale,
                                    .classes = classes,
-                                   .temperature = temperature};
+                                   .temperature = temperature,
+                                   .reflections = reflections};
         tactnet::safetensors_writer writer;
         writer.metadata["network"] = network;
         tactnet::add_model(writer, parts,
@@ -273,15 +290,18 @@ public:
     }
     deployed deploy() const {
         const py::gil_scoped_release released;
-        return {code, code->call(&network_code::deploy)(numbers), classes, temperature, 32};
+        return {code, code->call(&network_code::deploy)(numbers), classes, temperature, 32, reflections};
     }
     deployed deploy_in_8_bits(const py::array& images) const {
         const frames_argument frames = frames_of(images, code->facts().input);
         const py::gil_scoped_release released;
-        return {code,
-                code->call(&network_code::deploy_folded)(
-                    code->call(&network_code::calibrate)(numbers, frames.view)),
-                classes, temperature, 8};
+        return {
+            code,
+            code->call(&network_code::deploy_folded)(code->call(&network_code::calibrate)(numbers, frames.view)),
+            classes,
+            temperature,
+            8,
+            reflections};
     }
     py::dict arrays() const {
         py::dict named;
@@ -294,7 +314,8 @@ public:
 private:
     std::vector<float> logits_of(std::span<const std::uint8_t> images) const {
         if (!code->facts().ends_in_softmax && code->deploys())
-            return deployed{code, code->call(&network_code::deploy)(numbers), classes, temperature, 32}
+            return deployed{code,       code->call(&network_code::deploy)(numbers), classes, temperature, 32,
+                            reflections}
                 .logits_of(images);
         const auto network = code->call(&network_code::trainable)();
         for (std::size_t i = 0; i < numbers.arrays.size(); ++i)
@@ -316,8 +337,13 @@ private:
 deployed load_8_bits(shared_code code, const py::bytes& data, const std::string& name) {
     const tactnet::safetensors file = tactnet::safetensors::parse(to_vector(data), name);
     tactnet::stored_deployed stored = tactnet::read_deployed(file, code->call(&network_code::layout)());
-    deployed found{code, code->call(&network_code::deploy_folded)(stored.folded), std::move(stored.classes),
-                   stored.temperature, 8};
+    refuse_function(file, stored.function);
+    deployed found{code,
+                   code->call(&network_code::deploy_folded)(stored.folded),
+                   std::move(stored.classes),
+                   stored.temperature,
+                   8,
+                   std::move(stored.reflections)};
     tactnet::check_deployed(file, code->facts().input, found.classes.size(),
                             [&](std::span<const std::uint8_t> images) { return found.logits_of(images); });
     return found;

@@ -1,0 +1,269 @@
+#pragma once
+
+#include <tactnet/text/message.hpp>
+#include <tactnet/training/loop.hpp>
+#include <tactnet/training/mirror_partners.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace tactnet { inline namespace TACTNET_ARCH {
+
+/// What one trial found.
+struct augmentation_trial {
+    std::string what; ///< "reflections of columns"
+    double gain = 0;  ///< of the probability of the right class on held-out samples, without it or with it
+    double error = 0; ///< standard error of the gain
+    bool adopted = false;
+};
+/// A recipe with the augmentation that a task bears.
+struct augmentation_choice {
+    recipe chosen;
+    std::vector<augmentation_trial> trials;
+    std::vector<std::string> reasons; ///< sentences: what was chosen and why
+};
+
+namespace detail {
+
+/// A recipe that differs in one kind of augmentation, and the evidence that it takes to adopt it: what the
+/// recipe has by default did better elsewhere, so it goes only on clear evidence.
+struct recipe_variation {
+    const char* what;
+    void (*change)(recipe&);
+    double standard_errors;
+    bool needs_groups = false; ///< what blocks of the training images say of it is mostly chance
+};
+
+inline constexpr double for_default = 2.5, for_new = 1;
+inline constexpr std::array recipe_variations{
+    recipe_variation{"without reflections of rows",
+                     [](recipe& r) { r.ranges.reflect_rows = 0, r.reflections.rows = {}; }, for_default},
+    recipe_variation{"without reflections of columns",
+                     [](recipe& r) { r.ranges.reflect_columns = 0, r.reflections.columns = {}; },
+                     for_default},
+    recipe_variation{"without translation, rotation and scale",
+                     [](recipe& r) { r.ranges.translation = r.ranges.rotation = r.ranges.scale = 0; },
+                     for_default},
+    recipe_variation{"with the square root of counts",
+                     [](recipe& r) { r.function = {count_rule::square_root}; }, for_new, true}};
+
+/// Divides samples into those that short trainings learn and those that judge them: whole groups, or blocks
+/// of each class in the order of recording. A class stays in training.
+inline data_split hold_out(const labelled_samples& samples, std::span<const std::size_t> chosen,
+                           std::span<const std::size_t> groups, std::uint64_t seed) {
+    constexpr double share = 0.25;
+    data_split split;
+    std::vector<std::size_t> labels(samples.size(), no_class);
+    for (const std::size_t i : chosen)
+        labels[i] = samples.label(i);
+    std::set<std::size_t> held;
+    if (!groups.empty()) {
+        std::map<std::size_t, std::set<std::size_t>> classes_of;
+        std::vector<std::size_t> groups_with(samples.classes()), order;
+        for (const std::size_t i : chosen)
+            if (labels[i] != no_class && classes_of[groups[i]].insert(labels[i]).second)
+                ++groups_with[labels[i]];
+        for (const auto& [group, classes] : classes_of)
+            order.push_back(group);
+        random_stream(seed, random_purposes::split, 0x61).shuffle(order);
+        const auto most = static_cast<std::size_t>(std::lround(share * static_cast<double>(order.size())));
+        for (const std::size_t group : order) {
+            const auto& classes = classes_of[group];
+            if (held.size() < std::max<std::size_t>(most, 1) &&
+                std::all_of(classes.begin(), classes.end(),
+                            [&](std::size_t c) { return groups_with[c] > 1; })) {
+                held.insert(group);
+                for (const std::size_t c : classes)
+                    --groups_with[c];
+            }
+        }
+    }
+    if (held.empty()) {
+        split = split_data(labels, samples.classes(), split_rule::blocked, seed,
+                           {.validation = 0, .test = share});
+        std::swap(split.validation, split.test);
+        const std::set<std::size_t> wanted(chosen.begin(), chosen.end());
+        std::erase_if(split.training, [&](std::size_t i) { return !wanted.contains(i); });
+        return split;
+    }
+    for (const std::size_t i : chosen)
+        (held.contains(groups[i]) && labels[i] != no_class ? split.validation : split.training).push_back(i);
+    return split;
+}
+
+/// The mean probability of the right class for each class of each group, in order.
+inline std::vector<double> scores_of(const evaluation& found, const labelled_samples& samples,
+                                     std::span<const std::size_t> judged,
+                                     std::span<const std::size_t> groups) {
+    std::map<std::pair<std::size_t, std::size_t>, std::pair<double, double>> sums;
+    const std::size_t classes = samples.classes();
+    for (std::size_t i = 0; i < judged.size(); ++i) {
+        const auto logits = std::span(found.logits).subspan(i * classes, classes);
+        const std::size_t label = samples.label(judged[i]);
+        double sum = 0;
+        for (const float logit : logits)
+            sum += std::exp(static_cast<double>(logit - logits[label]));
+        auto& [total, count] = sums[{groups.empty() ? 0 : groups[judged[i]], label}];
+        total += 1 / sum, ++count;
+    }
+    std::vector<double> scores;
+    for (const auto& [of, sum] : sums)
+        scores.push_back(sum.first / sum.second);
+    return scores;
+}
+
+/// The search of choose_augmentation.
+class augmentation_search {
+public:
+    augmentation_search(const trainable& network, const recipe& how, const labelled_samples& samples,
+                        std::span<const std::size_t> training, std::span<const std::size_t> groups,
+                        std::uint64_t seed, thread_pool& threads, const std::function<bool()>& stop)
+        : network_(network),
+          samples_(samples),
+          groups_(groups),
+          split_(hold_out(samples, training, groups, seed)),
+          seed_(seed),
+          threads_(threads),
+          stop_(stop),
+          result_{how, {}, {}} {}
+
+    [[nodiscard]] augmentation_choice run(const reflection_rule& found, std::span<const std::string> names) {
+        recipe& base = result_.chosen;
+        const recipe how = base;
+        reflect("rows", base.ranges.reflect_rows, base.reflections.rows, found.rows, names);
+        reflect("columns", base.ranges.reflect_columns, base.reflections.columns, found.columns, names);
+        const recipe start = base;
+        std::vector<std::pair<const recipe_variation*, recipe>> changed;
+        for (const recipe_variation& v : recipe_variations) {
+            recipe r = start;
+            v.change(r);
+            if (!(r.ranges == start.ranges && r.function == start.function) &&
+                !(v.needs_groups && groups_.empty()))
+                changed.emplace_back(&v, r);
+        }
+        epochs_ = how.epochs / (2 * (changed.size() + 1));
+        steps_ = epochs_ * ceil_div(split_.training.size(), how.batch == 0 ? samples_.size() : how.batch);
+        if (split_.validation.empty() || epochs_ == 0) {
+            result_.reasons.emplace_back("too few images or epochs for trials: all else as in the recipe");
+            return result_;
+        }
+        const std::vector<double> before = scores(start);
+        for (const auto& [v, r] : changed) {
+            const std::vector<double> after = scores(r);
+            if (stop_ && stop_())
+                return result_;
+            judge(*v, before, after);
+        }
+        if (result_.reasons.empty())
+            result_.reasons.emplace_back("as in the recipe: no trial did clearly better on held-out images");
+        return result_;
+    }
+
+private:
+    /// What mean images say of one axis.
+    void reflect(std::string_view axis, double& share, reflection_rule::axis& rule,
+                 const reflection_rule::axis& found, std::span<const std::string> names) {
+        if (share == 0)
+            return;
+        rule = found;
+        if (!found.reflects) {
+            share = 0;
+            result_.reasons.push_back(
+                joined({"reflections of ", axis, ": off, since reflected images resemble no class"}));
+        }
+        const auto name = [&](std::size_t c) { return c < names.size() ? names[c] : std::to_string(c); };
+        std::string pairs;
+        for (std::size_t c = 0; c < found.partners.size(); ++c)
+            if (found.partners[c] > c)
+                pairs += joined({pairs.empty() ? "" : ", ", name(c), " = ", name(found.partners[c])});
+        if (!pairs.empty())
+            result_.reasons.push_back(joined(
+                {"reflections of ", axis, " exchange the classes that mean images say they do: ", pairs}));
+    }
+    /// The scores of a short training on what was held out.
+    [[nodiscard]] std::vector<double> scores(recipe r) const {
+        r.epochs = epochs_;
+        r.validate_every = epochs_ + 1;
+        r.patience = 0;
+        training_loop loop(network_.copy(), r, samples_, {split_.training, {}, {}}, seed_, threads_);
+        while (!loop.finished() && !(stop_ && stop_()))
+            loop.run_epoch();
+        return scores_of(evaluate(loop.latest(), loop.mean(), loop.scale(), samples_, split_.validation,
+                                  threads_, {}, loop.function()),
+                         samples_, split_.validation, groups_);
+    }
+    void judge(const recipe_variation& v, std::span<const double> before, std::span<const double> after) {
+        double sum = 0, squares = 0;
+        for (std::size_t i = 0; i < after.size(); ++i) {
+            const double gain = after[i] - before[i];
+            sum += gain, squares += gain * gain;
+        }
+        const auto n = static_cast<double>(after.size());
+        augmentation_trial t{.what = v.what, .gain = sum / n};
+        t.error = std::sqrt(std::max(0.0, squares / n - t.gain * t.gain) / std::max(1.0, n - 1));
+        // Short trainings favour less augmentation, the shorter the more.
+        const double least =
+            v.standard_errors < for_default ? 0.005 : 0.01 + 10 / static_cast<double>(steps_);
+        t.adopted = t.gain > least && t.gain > v.standard_errors * t.error;
+        if (t.adopted) {
+            v.change(result_.chosen);
+            result_.reasons.push_back(joined({v.what, ", which changes held-out images by ", points(t)}));
+        }
+        result_.trials.push_back(std::move(t));
+    }
+    static std::string points(const augmentation_trial& t) {
+        const auto tenths = [](double share) {
+            const auto n = std::lround(1000 * share);
+            return joined({std::to_string(n / 10), ".", std::to_string(n % 10)});
+        };
+        return joined({"+", tenths(t.gain), " ± ", tenths(t.error), " points"});
+    }
+
+    const trainable& network_;
+    const labelled_samples& samples_;
+    std::span<const std::size_t> groups_;
+    data_split split_;
+    std::uint64_t seed_;
+    thread_pool& threads_;
+    const std::function<bool()>& stop_;
+    std::size_t epochs_ = 0, steps_ = 0; ///< of a trial
+    augmentation_choice result_;
+};
+
+} // namespace detail
+
+/// Finds out which kinds of augmentation and which input function a task bears, on training samples alone.
+/// Mean images say which classes are each other's reflection, and whether reflected images show a class at
+/// all (find_reflections). For the rest, short trainings, together half as long as a whole one, learn three
+/// quarters of the samples and are judged on the others: whole groups, if `groups` holds the group of each
+/// sample. Scores are the probability of the right class, compared class by class and group by group. A kind
+/// of the recipe is given up if that gains more than 2.5 standard errors and 1 + 1000 ÷ steps points, since
+/// short trainings favour less augmentation; the square root of counts, tried with groups alone, is taken
+/// from one standard error and half a point on.
+///
+/// The network is untrained and is not changed. `names` of classes are for the reasons. `stop` is asked after
+/// each epoch: if it says so, the search ends with what it has found. A recipe without augmentation, or of
+/// features, stays as it is. Throws as `training_loop`.
+[[nodiscard]] inline augmentation_choice
+choose_augmentation(const trainable& network, const recipe& how, const labelled_samples& samples,
+                    std::span<const std::size_t> training, std::span<const std::size_t> groups,
+                    std::uint64_t seed, thread_pool& threads, std::span<const std::string> names = {},
+                    const std::function<bool()>& stop = {}) {
+    if (!samples.are_images() || how.augmentation == augmentation_rule::none)
+        return {how, {}, {"no augmentation to choose from"}};
+    return detail::augmentation_search(network, how, samples, training, groups, seed, threads, stop)
+        .run(find_reflections(network.input_shape(), samples, training, groups), names);
+}
+
+}} // namespace tactnet

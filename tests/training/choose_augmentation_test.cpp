@@ -1,0 +1,146 @@
+#include <tactnet/networks/network.hpp>
+#include <tactnet/operators.hpp>
+#include <tactnet/training.hpp>
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+using namespace tactnet;
+
+namespace {
+
+constexpr shape size{8, 10};
+using net = network<size, conv2d<4, 3>, batch_norm, relu, max_pool<2>, dense<3>>;
+
+/// Spots near the top of the left, of the right, or in the middle, by four people with other gains. Upside
+/// down they resemble no class if `tops`; else they are at half the height.
+struct sides_task {
+    std::vector<std::uint8_t> pixels;
+    std::vector<std::size_t> labels, groups, all;
+
+    explicit sides_task(bool tops) {
+        for (std::size_t group = 0; group < 4; ++group)
+            for (std::size_t label = 0; label < 3; ++label)
+                for (std::uint32_t i = 0; i < 10; ++i) {
+                    random_stream random(1, random_purposes::order,
+                                         static_cast<std::uint32_t>(group * 3 + label), i);
+                    const double row = (tops ? 1.2 : 3.5) + random.uniform(-0.5, 0.5),
+                                 column = (label == 0   ? 1.5
+                                           : label == 1 ? 7.5
+                                                        : 4.5) +
+                                          random.uniform(-0.7, 0.7);
+                    for (std::size_t y = 0; y < size.rows; ++y)
+                        for (std::size_t x = 0; x < size.columns; ++x) {
+                            const double down = static_cast<double>(y) - row,
+                                         right = static_cast<double>(x) - column;
+                            pixels.push_back(
+                                static_cast<std::uint8_t>((100 + 30 * static_cast<double>(group)) *
+                                                          std::exp(-(down * down + right * right) / 2)));
+                        }
+                    all.push_back(labels.size());
+                    labels.push_back(label);
+                    groups.push_back(group);
+                }
+    }
+    [[nodiscard]] labelled_images images() const { return {pixels, labels, 3}; }
+};
+
+const std::vector<std::size_t> exchanged{1, 0, 2};
+
+} // namespace
+
+TEST_CASE("find_reflections: partners along columns; rows only where reflected images show a class") {
+    for (const bool tops : {true, false})
+        for (const bool grouped : {true, false}) {
+            CAPTURE(tops);
+            CAPTURE(grouped);
+            const sides_task task(tops);
+            const std::vector<std::size_t> none;
+            const reflection_rule found =
+                find_reflections(size, task.images(), task.all, grouped ? task.groups : none);
+            CHECK(found.columns.reflects);
+            CHECK(found.columns.partners == exchanged);
+            CHECK(found.rows.reflects == !tops);
+            CHECK(found.rows.partners.empty());
+        }
+}
+
+TEST_CASE("epoch_samples: a reflected image has the label of its partner, and averages exchange outputs") {
+    const sides_task task(true);
+    thread_pool threads(1);
+    recipe how = recipe::default_for(size.rows, size.columns);
+    how.epochs = 30;
+    how.ranges = {.reflect_columns = 0.5};
+    how.reflections = {{}, {true, exchanged}};
+    trainer<net> training(how, task.images(), {task.all, {}, {}}, 1, threads);
+    while (!training.finished())
+        training.run_epoch();
+    const auto correct = [&](const reflection_rule& rule) {
+        return evaluate(training.latest(), training.input_normalisation(), task.images(), task.all, threads,
+                        rule)
+            .confusion.accuracy();
+    };
+    CHECK(correct({}) == 1);
+    CHECK(correct(training.reflections()) == 1);
+    CHECK(correct({{}, {true, {}}}) < 0.8);
+    CHECK(training.reflections() == reflection_rule{{}, {true, exchanged}});
+
+    // With plain reflections, left and right are one.
+    how.reflections = reflection_rule::all();
+    trainer<net> plain(how, task.images(), {task.all, {}, {}}, 1, threads);
+    while (!plain.finished())
+        plain.run_epoch();
+    CHECK(evaluate(plain.latest(), plain.input_normalisation(), task.images(), task.all, threads)
+              .confusion.accuracy() < 0.9);
+    how.augmentation = augmentation_rule::none;
+    CHECK(how.learnt_reflections() == reflection_rule{});
+}
+
+TEST_CASE("choose_augmentation: finds partners, judges kinds on held-out groups, and says why") {
+    const sides_task task(true);
+    thread_pool threads(1);
+    recipe how = recipe::default_for(size.rows, size.columns);
+    how.epochs = 40;
+    const std::vector<std::string> names{"left", "right", "middle"};
+    const trainable_network<net> fresh;
+    const auto choose = [&](const std::function<bool()>& stop = {}) {
+        return choose_augmentation(fresh, how, task.images(), task.all, task.groups, 1, threads, names, stop);
+    };
+    const augmentation_choice found = choose();
+    CHECK(found.chosen.ranges.reflect_rows == 0);
+    CHECK(found.chosen.ranges.reflect_columns == 0.5);
+    CHECK(found.chosen.reflections == reflection_rule{{}, {true, exchanged}});
+    CHECK(found.trials.size() == 3); // without the rows, which are off by then
+    REQUIRE(found.reasons.size() >= 2);
+    CHECK(found.reasons[0] == "reflections of rows: off, since reflected images resemble no class");
+    CHECK(found.reasons[1].ends_with(": left = right"));
+    CHECK(found.chosen.epochs == how.epochs);
+    CHECK(choose().chosen.ranges == found.chosen.ranges);
+    CHECK(choose([] { return true; }).trials.empty());
+
+    how.augmentation = augmentation_rule::none;
+    CHECK(choose().trials.empty());
+    CHECK(choose().chosen.ranges == how.ranges);
+}
+
+TEST_CASE("choose_augmentation: held-out samples are whole groups, or blocks of each class") {
+    const sides_task task(true);
+    const std::vector<std::size_t> none, training(task.all.begin() + 30, task.all.end());
+    for (const bool grouped : {true, false}) {
+        const data_split split = detail::hold_out(task.images(), training, grouped ? task.groups : none, 5);
+        CHECK(split.training.size() + split.validation.size() == training.size());
+        CHECK(split.test.empty());
+        CHECK_FALSE(split.validation.empty());
+        for (const std::size_t held : split.validation) {
+            CHECK(held >= 30);
+            if (grouped)
+                CHECK(std::ranges::none_of(
+                    split.training, [&](std::size_t i) { return task.groups[i] == task.groups[held]; }));
+        }
+    }
+}
