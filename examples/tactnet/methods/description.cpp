@@ -223,7 +223,7 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
         all["varied"] =
             fmt::format("{}x{} {}", data.taken.size.rows, data.taken.size.columns, data.taken.fingerprint);
     all.merge(describe_method(what, recipe));
-    if (s.chooses(what))
+    if (s.tries(what))
         all["augmentation"] = "auto"; // of what it chooses among, the ranges
     for (const std::string& partners : s.partners)
         all["partners"] += partners + ' ';

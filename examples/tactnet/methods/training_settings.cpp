@@ -54,11 +54,10 @@ void check_settings(const method& what, const training_settings& s) {
         refuse(
             "--scale, --gain, --noise, --erase, --reflect, --partners, --rotation, --translation: expected "
             "an augmentation, which they change, found --augmentation none");
-    if (s.augmentation == "auto" && !what.begins_at_random())
-        refuse(
-            "--augmentation: expected none, each-epoch or sixfold for {}, which does not begin with random "
-            "weights, found auto",
-            what.name);
+    if (s.augmentation == "auto" && !s.chooses(what))
+        refuse("--augmentation: expected none, each-epoch or sixfold for {}, found auto",
+               what.begins_at_random() ? "the published recipe"
+                                       : what.name + ", which does not begin with random weights");
     if (s.knee && !(s.function && s.function->ends_with("log")))
         refuse("--knee: expected --input-function log or relative-log, whose knee it is, found none");
     if (what.pretrained() && s.input && *s.input != "scale")
@@ -114,8 +113,8 @@ void add_training_options(CLI::App& command, training_settings& s, const std::st
     add_option(
         command, "--augmentation", s.augmentation, CLI::IsMember({"auto", "none", "each-epoch", "sixfold"}),
         "Augmentation: 'none', new images in 'each-epoch', five more per image, drawn once: 'sixfold', "
-        "or 'auto': as 'each-epoch', with the kinds that short trainings on held-out images choose "
-        "(default: the recipe's)");
+        "or 'auto': as 'each-epoch', with the kinds that mean images and short trainings on held-out images "
+        "choose (default: auto for the default recipe, without these trainings for thorough)");
     add_option(command, "--reflect", s.reflect, CLI::IsMember({"none", "rows", "columns", "both"}),
                "Reflect images upside down, 'rows', left to right, 'columns', or 'both' (default: what "
                "--augmentation says)");
@@ -301,7 +300,7 @@ tactnet::augmentation_choice choose_recipe(const method& what, const training_se
                                            std::uint64_t seed, tactnet::thread_pool& threads) {
     tactnet::augmentation_choice choice{recipe_for(what, s), {}, {}};
     if (s.chooses(what))
-        choice = what.choose(choice.chosen, data, training, seed, threads);
+        choice = what.choose(choice.chosen, data, training, seed, threads, s.tries(what));
     apply_kinds(choice.chosen, s);
     if (!s.partners.empty()) {
         choice.chosen.ranges.reflect_columns = 0.5;

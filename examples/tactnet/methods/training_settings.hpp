@@ -31,8 +31,13 @@ struct training_settings : epoch_settings {
     bool balance = false;  ///< rare classes are repeated in training
     std::size_t bits = 32; ///< of a weight, once it is trained: 8, or single precision
 
-    /// Whether the training images choose the augmentation.
-    bool chooses(const method& what) const { return what.begins_at_random() && augmentation == "auto"; }
+    /// Whether the training images choose the augmentation: by their mean images, and by short trainings.
+    bool chooses(const method& what) const {
+        return what.begins_at_random() && recipe != "published" && augmentation.value_or("auto") == "auto";
+    }
+    bool tries(const method& what) const {
+        return chooses(what) && (augmentation || recipe == "default");
+    }
 };
 
 /// --rows, --columns, --resize, --sensor, --recipe, all that changes a recipe and what a training begins

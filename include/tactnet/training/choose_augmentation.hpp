@@ -128,7 +128,8 @@ class augmentation_search {
 public:
     augmentation_search(const trainable& network, const recipe& how, const labelled_samples& samples,
                         std::span<const std::size_t> training, std::span<const std::size_t> groups,
-                        std::uint64_t seed, thread_pool& threads, const std::function<bool()>& stop)
+                        std::uint64_t seed, thread_pool& threads, const std::function<bool()>& stop,
+                        std::size_t most_epochs)
         : network_(network),
           samples_(samples),
           groups_(groups),
@@ -136,6 +137,7 @@ public:
           seed_(seed),
           threads_(threads),
           stop_(stop),
+          most_epochs_(most_epochs),
           result_{how, {}, {}} {}
 
     [[nodiscard]] augmentation_choice run(const reflection_rule& found, std::span<const std::string> names) {
@@ -152,9 +154,11 @@ public:
                 !(v.needs_groups && groups_.empty()))
                 changed.emplace_back(&v, r);
         }
-        epochs_ = how.epochs / (2 * (changed.size() + 1));
+        epochs_ = std::min(how.epochs / 2, most_epochs_) / (changed.size() + 1);
         steps_ = epochs_ * ceil_div(split_.training.size(), how.batch == 0 ? samples_.size() : how.batch);
-        if (split_.validation.empty() || epochs_ == 0) {
+        if (most_epochs_ == 0)
+            return result_;
+        if (split_.validation.empty() || epochs_ < fewest_epochs) {
             result_.reasons.emplace_back("too few images or epochs for trials: all else as in the recipe");
             return result_;
         }
@@ -237,6 +241,8 @@ private:
     std::uint64_t seed_;
     thread_pool& threads_;
     const std::function<bool()>& stop_;
+    static constexpr std::size_t fewest_epochs = 4; ///< of a trial that says anything
+    const std::size_t most_epochs_;
     std::size_t epochs_ = 0, steps_ = 0; ///< of a trial
     augmentation_choice result_;
 };
@@ -245,7 +251,8 @@ private:
 
 /// Finds out which kinds of augmentation and which input function a task bears, on training samples alone.
 /// Mean images say which classes are each other's reflection, and whether reflected images show a class at
-/// all (find_reflections). For the rest, short trainings, together half as long as a whole one, learn three
+/// all (find_reflections). For the rest, short trainings, together half as long as a whole one and at most
+/// `most_epochs` long (0: no trainings, what mean images say alone), learn three
 /// quarters of the samples and are judged on the others: whole groups, if `groups` holds the group of each
 /// sample. Scores are the probability of the right class, compared class by class and group by group. A kind
 /// of the recipe is given up if that gains more than 2.5 standard errors and 1 + 1000 ÷ steps points, since
@@ -259,10 +266,10 @@ private:
 choose_augmentation(const trainable& network, const recipe& how, const labelled_samples& samples,
                     std::span<const std::size_t> training, std::span<const std::size_t> groups,
                     std::uint64_t seed, thread_pool& threads, std::span<const std::string> names = {},
-                    const std::function<bool()>& stop = {}) {
+                    const std::function<bool()>& stop = {}, std::size_t most_epochs = 220) {
     if (!samples.are_images() || how.augmentation == augmentation_rule::none)
         return {how, {}, {"no augmentation to choose from"}};
-    return detail::augmentation_search(network, how, samples, training, groups, seed, threads, stop)
+    return detail::augmentation_search(network, how, samples, training, groups, seed, threads, stop, most_epochs)
         .run(find_reflections(network.input_shape(), samples, training, groups), names);
 }
 

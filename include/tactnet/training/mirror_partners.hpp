@@ -158,7 +158,8 @@ private:
 
 /// What reflected images of the chosen samples show, by mean images: along each axis the class itself, unless
 /// they are strangers to it (strangeness above 2); then the partner, as left and right are; or nothing, if
-/// they resemble no class (strangeness above 2.4). `groups` are those of all samples (people, objects,
+/// they resemble no class (strangeness above 2.4). With fewer than 8 samples a class all stays reflected.
+/// `groups` are those of all samples (people, objects,
 /// sessions), or none.
 [[nodiscard]] inline reflection_rule find_reflections(shape image, const labelled_samples& samples,
                                                       std::span<const std::size_t> chosen,
@@ -167,6 +168,9 @@ private:
     constexpr double strange = 2, too_strange = 2.4;
     const detail::class_images means(image, samples, chosen, groups);
     reflection_rule rule = reflection_rule::all();
+    constexpr std::size_t fewest = 8; // of a class: means of fewer are single touches
+    if (chosen.size() < fewest * samples.classes())
+        return rule;
     for (const auto& [axis, how] : {std::pair(&rule.rows, reflection{.rows = true}),
                                     std::pair(&rule.columns, reflection{.columns = true})}) {
         if (means.strangeness(how, rule) <= strange)
