@@ -200,7 +200,7 @@ TEST_CASE("deployed: copies and views give the same bits, also when the original
     const fast_net copy = *original;
     const fast_net moved = std::move(*original);
     original.reset();
-    for (const fast_net::view_type view : {copy.view(), moved.view()}) {
+    for (const fast_net::view_type& view : {copy.view(), moved.view()}) {
         logits out;
         CHECK(view.infer(byte_frame<fast_net>(counts.data()), std::span(out)) == frame_status::ok);
         CHECK(same_bits(out, output_of(subject::fast(), counts)));
