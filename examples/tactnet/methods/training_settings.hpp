@@ -35,9 +35,7 @@ struct training_settings : epoch_settings {
     bool chooses(const method& what) const {
         return what.begins_at_random() && recipe != "published" && augmentation.value_or("auto") == "auto";
     }
-    bool tries(const method& what) const {
-        return chooses(what) && (augmentation || recipe == "default");
-    }
+    bool tries(const method& what) const { return chooses(what) && (augmentation || recipe == "default"); }
 };
 
 /// --rows, --columns, --resize, --sensor, --recipe, all that changes a recipe and what a training begins

@@ -269,7 +269,8 @@ choose_augmentation(const trainable& network, const recipe& how, const labelled_
                     const std::function<bool()>& stop = {}, std::size_t most_epochs = 220) {
     if (!samples.are_images() || how.augmentation == augmentation_rule::none)
         return {how, {}, {"no augmentation to choose from"}};
-    return detail::augmentation_search(network, how, samples, training, groups, seed, threads, stop, most_epochs)
+    return detail::augmentation_search(network, how, samples, training, groups, seed, threads, stop,
+                                       most_epochs)
         .run(find_reflections(network.input_shape(), samples, training, groups), names);
 }
 

@@ -75,6 +75,24 @@ TEST_SUITE("program") {
         shop.succeeds("classify --resize --weights out/net.safetensors large.png");
     }
 
+    TEST_CASE("train: images choose the augmentation, unless an option or a published recipe does") {
+        const workshop shop;
+        const auto told = [&](const std::string& more) {
+            return shop.trains(more + " --afresh --output net").error;
+        };
+        // Bars that are left and right exchange when images are reflected, and no one upside down is strange.
+        says(told("--epochs 2"), "exchange the classes that mean images say they do: left = right");
+        says(told("--epochs 2 --recipe thorough"), "left = right");
+        says(told("--epochs 2"), "too few images or epochs for trials");
+        says_not(told("--epochs 40"), "too few");
+        CHECK(tactnet::safetensors::read(shop / "net").metadata().at("augmentation") == "auto");
+        for (const char* fixed : {"--augmentation each-epoch", "--augmentation none", "--recipe published"})
+            says_not(told(std::string("--epochs 2 ") + fixed), "augmentation:");
+        CHECK(tactnet::safetensors::read(shop / "net").metadata().at("augmentation") == "each-epoch");
+        shop.refuses(shop.train_arguments("--recipe published --augmentation auto --output net"),
+                     "--augmentation: expected none, each-epoch or sixfold for the published recipe");
+    }
+
     TEST_CASE("train: same seed, same bits; another seed, others; any number of threads") {
         const workshop shop;
         shop.trains("--epochs 4 --output a");
