@@ -27,20 +27,22 @@ public:
         const std::size_t end = text(0, bytes.size(), "").rfind("PK\5\6");
         require(end != std::string_view::npos, "", "a directory at the end of the archive", "none");
         entries_ = number<std::uint16_t>(end + 10);
-        at_ = number<std::uint32_t>(end + 16);
+        at_ = number<std::uint32_t>(end + 16), end_ = end;
     }
 
     /// The contents of the next entry, and whether there was one.
     bool next(std::vector<std::byte>& contents) {
-        if (entries_ == 0)
+        if (entries_ == 0) {
+            require(at_ == end_, "", "as many entries as the directory has", "another number");
             return false;
+        }
         --entries_;
         require(text(at_, 46, "").starts_with("PK\1\2"), "", "an entry of the directory", "other bytes");
         const auto method = number<std::uint16_t>(at_ + 10);
         const auto sum = number<std::uint32_t>(at_ + 16), packed = number<std::uint32_t>(at_ + 20),
                    size = number<std::uint32_t>(at_ + 24), head = number<std::uint32_t>(at_ + 42);
         const std::size_t name_size = number<std::uint16_t>(at_ + 28);
-        const std::string name = "entry " + tactnet::in_quotes(text(at_ + 46, name_size, ""), 100);
+        const std::string& name = name_ = "entry " + tactnet::in_quotes(text(at_ + 46, name_size, ""), 100);
         at_ += 46 + name_size + number<std::uint16_t>(at_ + 30) + number<std::uint16_t>(at_ + 32);
         require(text(head, 30, name).starts_with("PK\3\4"), name, "its head", "other bytes");
         const std::size_t data =
@@ -60,6 +62,8 @@ public:
         require(found == sum, name, "the checksum " + std::to_string(sum), std::to_string(found));
         return true;
     }
+    /// Of the latest entry, for messages.
+    const std::string& place() const { return name_; }
 
 private:
     static constexpr std::size_t most_inflated = 1032; ///< bytes of one of deflate
@@ -93,19 +97,18 @@ private:
         return whole;
     }
 
-    std::string file_;
+    std::string file_, name_;
     std::span<const std::byte> bytes_;
-    std::size_t entries_ = 0, at_ = 0, left_;
+    std::size_t entries_ = 0, at_ = 0, end_ = 0, left_;
 };
 
-/// Whether the head of an NPY array states two or three dimensions; labels have one.
-bool has_frames(std::span<const std::byte> npy) {
+/// The dimensions that the head of an NPY array states; 0 of anything else.
+std::ptrdiff_t dimensions_of(std::span<const std::byte> npy) {
     const std::string_view text(reinterpret_cast<const char*>(npy.data()),
                                 std::min<std::size_t>(npy.size(), 4096));
     const std::size_t from = std::min(text.find("'shape': ("), text.size());
     const std::string_view shape = text.substr(from, text.find(')', from) - from);
-    const auto commas = std::count(shape.begin(), shape.end(), ',') - (shape.ends_with(',') ? 1 : 0);
-    return commas == 1 || commas == 2;
+    return shape.empty() ? 0 : std::count(shape.begin(), shape.end(), ',') + (shape.ends_with(',') ? 0 : 1);
 }
 
 } // namespace
@@ -116,9 +119,15 @@ std::vector<std::byte> read_recording_file(const std::filesystem::path& path, st
                                  std::min<std::size_t>(bytes.size(), 4));
     if (begin == "PK\3\4") {
         zip_archive archive(path.string(), bytes, largest);
-        for (std::vector<std::byte> entry; archive.next(entry);)
-            if (has_frames(entry))
+        for (std::vector<std::byte> entry; archive.next(entry);) {
+            const auto dimensions = dimensions_of(entry);
+            if (dimensions > 3)
+                throw file_error(path.string(), archive.place(),
+                                 "an array of rows x columns, or frames x rows x columns",
+                                 std::to_string(dimensions) + " dimensions");
+            if (dimensions > 1) // labels have one
                 result.insert(result.end(), entry.begin(), entry.end());
+        }
         if (result.empty())
             throw file_error(path.string(), "", "an array of rows x columns, or frames x rows x columns",
                              "none in the archive");

@@ -111,6 +111,10 @@ std::vector<table_row> read_table(const std::string& file) {
                                   : place_of("path") == head.size()
                                       ? tactnet::in_quotes(fmt::format("{}", fmt::join(head, ",")))
                                       : "no image");
+    for (std::size_t c = 0; c < head.size(); ++c)
+        if (std::ranges::find(table_columns, head[c]) == table_columns.end())
+            throw tactnet::file_error(file, fmt::format("line 1, column {}", c + 1),
+                                      "path, label, group or split", tactnet::in_quotes(head[c]));
     std::array<std::size_t, table_columns.size()> places{};
     for (std::size_t c = 0; c < places.size(); ++c) {
         places[c] = place_of(table_columns[c]);

@@ -23,6 +23,7 @@
 #include <support/files/data_folder.hpp>
 #include <support/files/temporary_folder.hpp>
 #include <vector>
+#include <zlib.h>
 
 using tactnet::file_error;
 
@@ -366,6 +367,19 @@ TEST_SUITE("examples/decode_image") {
         CHECK_NOTHROW(static_cast<void>(read_recording_file(folder / "file", 69 + 77)));
         CHECK_THROWS_WITH_AS(static_cast<void>(read_recording_file(folder / "file", 69 + 76)),
                              doctest::Contains("entry 'a': expected at most 76 bytes, found 77"), file_error);
+        std::string deeper = archive; // plain bytes, with four dimensions in the place of one
+        deeper.replace(deeper.find("(1,), }\n"), 8, "(1,1,1,1");
+        const std::size_t entry = deeper.find("PK\1\2");
+        const std::string data = deeper.substr(31, 69);
+        const auto sum =
+            crc32(0, reinterpret_cast<const Bytef*>(data.data()), static_cast<uInt>(data.size()));
+        for (unsigned byte = 0; byte < 4; ++byte)
+            deeper[entry + 16 + byte] = static_cast<char>(sum >> (8 * byte) & 0xFFU);
+        CHECK_THROWS_WITH_AS(
+            static_cast<void>(read(deeper)),
+            doctest::Contains("entry 'l': expected an array of rows x columns, or frames x rows "
+                              "x columns, found 4 dimensions"),
+            file_error);
         archive[archive.rfind("PK\1\2") + 26] = 2;
         CHECK_THROWS_WITH_AS(static_cast<void>(read(archive)), doctest::Contains("found 131149 for 74"),
                              file_error);

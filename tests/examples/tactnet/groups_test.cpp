@@ -79,6 +79,8 @@ TEST_SUITE("program") {
              {std::pair("file,label\n"s,
                         "t.csv: line 1: expected columns path, label, group, split, of which path is needed"),
               {"path,label,Label \na,b,c\n"s, "t.csv: line 1: expected one column label, found several"},
+              {"path,Labels\na,b\n"s,
+               "t.csv: line 1, column 2: expected path, label, group or split, found 'labels'"},
               {"path,label\na\0b,c\n"s, "t.csv: expected a table in UTF-8, found other bytes"},
               {" Path, SPLIT\na/b,exam\nc/d,test\n"s,
                "line 2, column 'split': expected training, validation"}}) {

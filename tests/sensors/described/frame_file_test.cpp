@@ -107,6 +107,8 @@ TEST_CASE("npy_array: what is wrong in it and in pgm_images is said with its pla
              {"P5 1 1 65536 ", "expected a largest value from 1 to 65535, found '65536'"},
              {"P5 2 1 255\n\1", "frame 1: expected 2 bytes of a frame, found 1 of them"},
              {"P5 1 1 255\n\1P5 2 1 255\n\1\2", "frame 2: expected 1 x 1 cells, found 1 x 2"},
+             {"P5 1 2 200\n\xC8\xC9", "expected cells of at most 200, found 201 in row 2, column 1"},
+             {"P5 2 1 999\n\3\xE7\3\xE8", "expected cells of at most 999, found 1000 in row 1, column 2"},
              {"P5 1 0 255\n", "expected rows: 1 to 1048576, found 0"},
              {"P5 1 1", "expected a whole head, found the end of the data"}}) {
         const std::string found = decode(pgm_images(), bytes_of(bytes)).error;

@@ -58,6 +58,7 @@ protected:
     struct head {
         std::size_t bytes = 0;
         std::uint64_t frames = 0;
+        std::size_t largest = 0; ///< a cell, an integer with its higher byte first; 0 if not stated
     };
     /// Counts are as `sensor` states them; its rows and columns, unless they are
     /// zero, are those of the file.
@@ -95,7 +96,7 @@ private:
         }
         reader_.emplace(d);
         frame_bytes_ = d.cells() * d.cell_size();
-        left_ = found->frames;
+        left_ = found->frames, largest_ = found->largest;
         mutable_description().frames = frames() + left_;
         at_ += found->bytes;
         first_ = std::move(d);
@@ -105,6 +106,15 @@ private:
     bool read_frame(Sink& sink) {
         if (bytes_.size() - at_ < frame_bytes_)
             return false;
+        for (std::size_t i = 0, from = at_; largest_ > 0 && i < cells().size(); ++i) {
+            std::size_t value = 0;
+            for (const std::size_t end = from + first_.cell_size(); from < end; ++from)
+                value = value << 8U | std::to_integer<std::size_t>(bytes_[from]);
+            if (value > largest_)
+                return damage({"cells of at most ", largest_}, {value, " in row ", i / first_.columns + 1,
+                                                                ", column ", i % first_.columns + 1}),
+                       false;
+        }
         const std::size_t bad = reader_->read(bytes_.data() + at_, cells());
         if (bad < cells().size())
             return damage({"cells of zero or more"},
@@ -123,7 +133,8 @@ private:
     std::optional<cell_reader> reader_;
     std::vector<std::byte> bytes_; ///< of the file, from number `byte_` on; used up to `at_`
     std::size_t byte_ = 0, at_ = 0, frame_bytes_ = 0;
-    std::uint64_t left_ = 0; ///< frames after the latest head
+    std::uint64_t left_ = 0;  ///< frames after the latest head
+    std::size_t largest_ = 0; ///< of their cells, as it states
 };
 
 }} // namespace tactnet

@@ -51,7 +51,7 @@ private:
         d.cell = largest < 256 ? cell_type::uint8 : cell_type::uint16;
         d.cell_bytes = byte_order::big;
         d.full_scale = d.full_scale.value_or(static_cast<double>(largest));
-        return head{at + 1, 1};
+        return head{at + 1, 1, largest};
     }
     static bool is_space(char c) noexcept { return c == ' ' || (c >= '\t' && c <= '\r'); }
     std::nullopt_t refuse(const char* expected, std::string_view found) {
