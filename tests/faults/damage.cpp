@@ -90,12 +90,6 @@ const std::string& undamaged(scene& s, const reading& r) {
     return kept[&r] = r.outcome(end, s.made.folder());
 }
 
-std::string damaged_by_bit(scene& s, std::string bytes) {
-    const std::size_t bit = s.below(bytes.size() * 8);
-    bytes[bit / 8] = static_cast<char>(static_cast<unsigned char>(bytes[bit / 8]) ^ 1U << bit % 8);
-    return bytes;
-}
-
 void read_damaged(scene& s, const reading& r, const std::string& damage,
                   const std::function<std::string(const std::string&)>& damaged, bool must_report) {
     const std::string& right = undamaged(s, r);
@@ -186,6 +180,12 @@ void decode_summed(scene& s, const std::string& bytes) {
 }
 
 } // namespace
+
+std::string damaged_by_bit(scene& s, std::string bytes) {
+    const std::size_t bit = s.below(bytes.size() * 8);
+    bytes[bit / 8] = static_cast<char>(static_cast<unsigned char>(bytes[bit / 8]) ^ 1U << bit % 8);
+    return bytes;
+}
 
 void flip_bits(scene& s, std::size_t number) {
     const reading& r = readings[number % readings.size()];

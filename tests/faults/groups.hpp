@@ -42,6 +42,11 @@ struct group {
     std::string (*missing)(const programs&);
 };
 
+/// With one bit flipped.
+std::string damaged_by_bit(scene& s, std::string bytes);
+/// Throws a finding unless the command fails, with a short message that has this part.
+void expect_refusal(scene& s, const words& command, const std::string& part, const std::string& what);
+
 void flip_bits(scene& s, std::size_t number);
 void flip_bits_of_recordings(scene& s, std::size_t number);
 void flip_two_bits_of_sums(scene& s, std::size_t number);
@@ -56,6 +61,9 @@ void set_the_clock(scene& s, std::size_t number);
 void ask_for_nonsense(scene& s, std::size_t number);
 void name_strange_files(scene& s, std::size_t number);
 void say_hostile_things(scene& s, std::size_t number);
+void spoil_tables(scene& s, std::size_t number);
+void spoil_archives(scene& s, std::size_t number);
+void spoil_descriptions(scene& s, std::size_t number);
 
 /// Mounts a small disk for `fill_the_disk`, away from everyone else; why not, if not.
 std::string small_disk(const programs& which);

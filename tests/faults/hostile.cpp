@@ -35,12 +35,7 @@ void must_be_refused(scene& s, const std::string& what, const std::string& sente
         s.made.classify("net"), s.made.tactnet({"export", "--weights", "net", "--output", "out"}),
         s.made.train({"--epochs", "2", "--start", "net", "--output", "out"}),
         s.made.tactnet({"evaluate", "--data", (s.made / "data").string(), "--weights", "net"})};
-    conditions under = without_pictures;
-    under.patience = std::chrono::seconds(20);
-    const ending end = s.run(s.one_of(readers), under);
-    s.expect(end.status != 0 && end.error.find(sentence) != std::string::npos,
-             what + ": expected '" + sentence + "', found " + end.text());
-    s.expect(end.error.size() < 1500, what + ": a message of " + std::to_string(end.error.size()) + " bytes");
+    expect_refusal(s, s.one_of(readers), sentence, what);
 }
 
 void surplus_tensors(scene& s) {
@@ -165,6 +160,15 @@ void foreign_results(scene& s) {
 }
 
 } // namespace
+
+void expect_refusal(scene& s, const words& command, const std::string& part, const std::string& what) {
+    conditions under = without_pictures;
+    under.patience = std::chrono::seconds(20);
+    const ending end = s.run(command, under);
+    s.expect(end.status != 0 && end.error.find(part) != std::string::npos,
+             what + ": expected '" + part + "', found " + end.text());
+    s.expect(end.error.size() < 1500, what + ": a message of " + std::to_string(end.error.size()) + " bytes");
+}
 
 void say_hostile_things(scene& s, std::size_t number) {
     constexpr std::array kinds{surplus_tensors, stored_temperature, names_of_classes, list_of_names,

@@ -32,20 +32,23 @@ std::string needs_decoders(const programs& which) {
 
 // Shares are of 100.
 const std::array groups{
-    group{"bit flips", 16, flip_bits, always},
+    group{"bit flips", 13, flip_bits, always},
     group{"flips in recordings", 8, flip_bits_of_recordings, needs_decoders},
     group{"two flips under a sum", 4, flip_two_bits_of_sums, needs_decoders},
     group{"values", 5, replace_values, needs_decoders},
-    group{"cut files", 10, cut_files, needs_decoders},
+    group{"cut files", 7, cut_files, needs_decoders},
     group{"kills", 8, kill_and_resume, always},
     group{"full disk", 5, fill_the_disk, small_disk},
     group{"limited files", 5, limit_files, always},
     group{"streams", 8, break_streams, needs_decoders},
     group{"resources", 6, take_resources, always},
     group{"clocks", 3, set_the_clock, clock_library},
-    group{"arguments", 9, ask_for_nonsense, always},
+    group{"arguments", 6, ask_for_nonsense, always},
     group{"file names", 6, name_strange_files, always},
     group{"hostile", 7, say_hostile_things, always},
+    group{"tables", 3, spoil_tables, always},
+    group{"archives", 3, spoil_archives, needs_decoders},
+    group{"descriptions", 3, spoil_descriptions, needs_decoders},
 };
 
 struct arguments {
