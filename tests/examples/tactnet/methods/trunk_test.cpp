@@ -24,10 +24,10 @@ void check_from_end_to_end(const std::string& method, element_type type) {
     if (!knows(shop, method))
         return;
     CAPTURE(method);
-    shop.keep_images(3);
+    shop.keep_images(2);
     write_pretrained<Network>(shop / "pretrained", type);
     says(shop.succeeds(training(shop, method, "net", "--validation 0 --test 0.3 --self-test 1")).error,
-         "features of 9 of 9 images");
+         "features of 6 of 6 images");
     {
         const auto file = tactnet::safetensors_source::open(shop / "net");
         CHECK(file.metadata().at("network") == method);
@@ -71,7 +71,7 @@ TEST_SUITE("program") {
         const workshop shop;
         if (!knows(shop, "squeezenet-pooled-svm"))
             return;
-        shop.keep_images(5);
+        shop.keep_images(3);
         write_pretrained<squeezenet>(shop / "pretrained");
         const auto arguments = [](const char* methods, const words& more) {
             return words{"evaluate", "--method", methods} +
@@ -83,9 +83,10 @@ TEST_SUITE("program") {
         const auto finds = [](const outcome& result) {
             return result.error.find("SqueezeNet 1.1 features of") != std::string::npos;
         };
-        const auto results = [&] { // a line each, in the order of their ends, with times in them
+        // A line each, in the order of their ends, with times in them.
+        const auto results = [&](const fs::path& folder = "results") {
             std::vector<std::string> lines;
-            for (const std::string& line : shop.lines("results/evaluation.jsonl"))
+            for (const std::string& line : shop.lines(folder / "evaluation.jsonl"))
                 lines.push_back(line.substr(0, line.find(",\"seconds\"")) +
                                 line.substr(line.find(",\"classes\""), line.find(']') - line.find(",\"cla")));
             std::sort(lines.begin(), lines.end());
@@ -104,30 +105,39 @@ TEST_SUITE("program") {
         CHECK(results() == first);
         CHECK(text_of(file) == whole);
 
-        for (const std::size_t place : {whole.size() / 2, std::size_t{40}}) {
-            std::string bytes = whole;
+        // Damage, with a method whose features take a quarter of the time.
+        const words other("--results other");
+        const auto evaluate_other = [&](const words& more) {
+            return evaluate("squeezenet-svm", other + more);
+        };
+        CHECK(finds(evaluate_other("--jobs 2")));
+        const std::string small = only_file_in(shop / "other/features"), right = text_of(small);
+        const auto second = results("other");
+        CHECK(second.size() == 4);
+        for (const std::size_t place : {right.size() / 2, std::size_t{40}}) {
+            std::string bytes = right;
             bytes[place] = static_cast<char>(bytes[place] ^ 1);
-            tactnet::write_file(file, bytes);
-            const outcome result = evaluate(all, "--jobs 3 --afresh");
+            tactnet::write_file(small, bytes);
+            const outcome result = evaluate_other("--jobs 3 --afresh");
             says(result.error, "features of something else, or damaged; all are found anew");
             CHECK(finds(result));
-            CHECK(text_of(file) == whole);
-            CHECK(results() == first);
+            CHECK(text_of(small) == right);
+            CHECK(results("other") == second);
         }
 
         // One program at a time finds them.
         claims mine;
-        REQUIRE(mine.take(file));
-        const pid_t waits = shop.start(arguments("squeezenet-pooled-svm", {"--afresh"}));
-        shop.wait_for(waits, "waiting for the features that another program finds, results/features/");
-        mine.release(file);
+        REQUIRE(mine.take(small));
+        const pid_t waits = shop.start(arguments("squeezenet-svm", other + "--afresh"));
+        shop.wait_for(waits, "waiting for the features that another program finds, other/features/");
+        mine.release(small);
         CHECK(shop.wait(waits).status == 0);
 
         // Other weights give other features, in a file of their own.
         write_pretrained<squeezenet>(shop / "pretrained", element_type::float16);
-        CHECK(finds(evaluate("squeezenet-pooled-svm")));
-        CHECK(text_of(file) == whole);
-        CHECK(results().size() == 4 + 4);
+        CHECK(finds(evaluate_other("--jobs 2")));
+        CHECK(text_of(small) == right);
+        CHECK(results("other").size() == 4 + 4);
     }
 
     TEST_CASE("trunk: options and files that do not go together") {
@@ -178,8 +188,8 @@ TEST_SUITE("program") {
 
         // The file of a training, which holds all that it needs.
         write_pretrained<squeezenet>(shop / "pretrained");
-        shop.keep_images(3);
-        shop.succeeds(training(shop, "squeezenet-pooled-svm", "svm", "--test 0.3"));
+        shop.keep_images(2);
+        shop.succeeds(training(shop, "squeezenet-pooled-svm", "svm", "--validation 0 --test 0.3"));
         rewrite(shop / "svm", shop / "nan", "trunk.features.0.bias",
                 [](std::vector<float>& v) { v[3] = std::numeric_limits<float>::infinity(); });
         rewrite(shop / "svm", shop / "moved", "trunk.features.12.squeeze.weight", double_all);
