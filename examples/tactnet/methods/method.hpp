@@ -178,8 +178,9 @@ public:
     /// Such a network can be trained by the thorough recipe, and be converted to 8 bits.
     bool begins_at_random() const { return is_network() && !pretrained(); }
 
-    /// Its type in C++, of a network that is one type: "tactnet::tactnet6<tactnet::shape{28, 50}, 22>".
-    virtual std::string declaration() const { return {}; }
+    /// Its type in C++ for so many classes, of a network that is one type:
+    /// "tactnet::tactnet6<tactnet::shape{28, 50}, 22>".
+    virtual std::string declaration(std::size_t /*classes*/) const { return {}; }
     /// What it is, for sentences.
     virtual std::string_view kind() const { return is_network() ? "network" : "support vector machine"; }
     /// For a network, the recipe that did best, or the authors' if none was looked for.

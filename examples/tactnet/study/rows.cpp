@@ -115,7 +115,7 @@ study_row row_of(const candidate& c, std::size_t bits, const split_plan& plan, c
     if (bits == 32)
         values["activation_bytes"] = costs.activation_bytes;
     row.family = !what.is_network() ? "machines" : what.pretrained() ? "photographs" : "touches";
-    const std::string declaration = what.declaration();
+    const std::string declaration = what.declaration(row.classes.size());
     values["declaration"] = declaration;
     const published_result* const paper =
         c.data->of_paper() ? find_published(what.name, what.rows, what.columns) : nullptr;

@@ -189,8 +189,8 @@ public:
           bytes_(std::move(bytes)) {}
 
     bool is_network() const override { return true; }
-    std::string declaration() const override {
-        return fmt::format("{}<tactnet::shape{{{}, {}}}, {}>", type_, rows, columns, code_.outputs);
+    std::string declaration(std::size_t classes) const override {
+        return fmt::format("{}<tactnet::shape{{{}, {}}}, {}>", type_, rows, columns, classes);
     }
     std::optional<pretrained_file> pretrained() const override {
         constexpr std::size_t arrays_of_photograph = 2; // in front, which are no weights

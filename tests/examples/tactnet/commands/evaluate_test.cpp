@@ -51,6 +51,7 @@ TEST_SUITE("program") {
         // TactNet-4 for three classes: 6128 parameters of convolutions and batch norms, 64 x 3 + 3 of the
         // last layer.
         says(first.out, " 6 323 ");
+        says(first.out, "`tactnet::tactnet4<tactnet::shape{7, 13}, 3>`");
 
         says(evaluate("--splits 2 --jobs 1").error, "4 trainings to do, of 8 in all");
         CHECK(shop.text("r/evaluation.jsonl").starts_with(kept));
