@@ -9,12 +9,15 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <support/same_bits.hpp>
 #include <training/toy_task.hpp>
+#include <utility>
 #include <vector>
 
 // trainer_test.cpp tests the training itself, through a network whose type is known.
@@ -230,6 +233,67 @@ TEST_CASE(
         setup.how.label_smoothing = smoothing;
         CHECK_THROWS_AS(setup.begin(found), std::invalid_argument);
     }
+}
+
+TEST_CASE("training_loop: every number of a recipe that is outside of its range is refused, with its name") {
+    const double nan = std::numeric_limits<double>::quiet_NaN(),
+                 inf = std::numeric_limits<double>::infinity();
+    toy_setup setup;
+    const recipe right = setup.how;
+    const auto refuses = [&](const std::string& what, std::initializer_list<double> numbers, auto set) {
+        for (const double number : numbers) {
+            setup.how = right;
+            set(setup.how, number);
+            CHECK_THROWS_WITH_AS(
+                setup.begin(),
+                ("trainer: expected a recipe's " + what + ", found " + std::to_string(number)).c_str(),
+                std::invalid_argument);
+        }
+    };
+    for (const auto& [name, member] :
+         {std::pair("rate", &recipe::rate), std::pair("pretrained_rate", &recipe::pretrained_rate),
+          std::pair("sharpness_radius", &recipe::sharpness_radius)})
+        refuses(name + std::string(" of 0 or more, finite"), {-1, nan, inf},
+                [m = member](recipe& how, double x) { how.*m = x; });
+    using ranges = augmentation_ranges;
+    for (const auto& [name, member] :
+         {std::pair("translation", &ranges::translation), std::pair("rotation", &ranges::rotation),
+          std::pair("scale", &ranges::scale), std::pair("pressure", &ranges::pressure),
+          std::pair("shear", &ranges::shear)})
+        refuses("ranges." + std::string(name) + " of 0 or more, finite", {-1, nan, inf},
+                [m = member](recipe& how, double x) { how.ranges.*m = x; });
+    for (const auto& [name, member] :
+         {std::pair("reflect_rows", &ranges::reflect_rows),
+          std::pair("reflect_columns", &ranges::reflect_columns), std::pair("erase", &ranges::erase)})
+        refuses("ranges." + std::string(name) + " from 0 to 1", {-1, nan, 1.5},
+                [m = member](recipe& how, double x) { how.ranges.*m = x; });
+    refuses("ranges.noise.additive of 0 or more, finite", {-1, nan, inf},
+            [](recipe& how, double x) { how.ranges.noise.additive = x; });
+    refuses("ranges.noise.relative of 0 or more, finite", {-1, nan, inf},
+            [](recipe& how, double x) { how.ranges.noise.relative = x; });
+    const std::string share = " of 0 or more and below 1", positive = " above 0, finite",
+                      finite = " of 0 or more, finite";
+    refuses("averaging" + share, {-1, nan, 1}, [](recipe& how, double x) { how.averaging = x; });
+    refuses("epsilon" + positive, {0, nan, inf}, [](recipe& how, double x) { how.epsilon = x; });
+    refuses("momentum" + share, {-1, nan, 1},
+            [](recipe& how, double x) { how.optimiser = sgd{.momentum = x}; });
+    refuses("l2" + finite, {-1, nan, inf}, [](recipe& how, double x) { how.optimiser = sgd{.l2 = x}; });
+    refuses("beta1" + share, {-1, nan, 1}, [](recipe& how, double x) { how.optimiser = adamw{.beta1 = x}; });
+    refuses("beta2" + share, {-1, nan, 1}, [](recipe& how, double x) { how.optimiser = adamw{.beta2 = x}; });
+    refuses("decay" + finite, {-1, nan, inf},
+            [](recipe& how, double x) { how.optimiser = adamw{.decay = x}; });
+    refuses("optimiser.epsilon" + positive, {0, nan, inf},
+            [](recipe& how, double x) { how.optimiser = adamw{.epsilon = x}; });
+    refuses("drop period" + positive, {0, nan, inf},
+            [](recipe& how, double x) { how.schedule = step_drop{.period = x}; });
+    refuses("drop factor" + finite, {-1, nan, inf},
+            [](recipe& how, double x) { how.schedule = step_drop{.factor = x}; });
+    refuses("warm_up" + share, {-1, nan, 1},
+            [](recipe& how, double x) { how.schedule = one_cycle{.warm_up = x}; });
+    refuses("initial deviation" + finite, {-1, nan, inf},
+            [](recipe& how, double x) { how.initialisation = fixed_normal{x}; });
+    setup.how = right;
+    CHECK_NOTHROW(setup.begin());
 }
 
 TEST_CASE(

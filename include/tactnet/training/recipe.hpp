@@ -10,10 +10,14 @@
 #include <tactnet/training/schedule.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
@@ -171,7 +175,8 @@ struct recipe {
         return rule;
     }
 
-    /// Throws std::invalid_argument for settings with which nothing could be learnt.
+    /// Throws std::invalid_argument for settings with which nothing could be learnt, or that are no numbers
+    /// of their range.
     void check() const {
         if (validate_every == 0)
             throw std::invalid_argument("trainer: expected a validation every 1 or more epochs, found 0");
@@ -184,6 +189,47 @@ struct recipe {
             detail::throw_invalid_argument(
                 {"trainer: expected an input function with a knee from 0.001 to 1000000, found ",
                  std::to_string(function.knee)});
+        const auto require = [](bool (*right)(double), const char* range,
+                                std::initializer_list<std::pair<const char*, double>> numbers) {
+            for (const auto& [what, number] : numbers)
+                if (!right(number))
+                    detail::throw_invalid_argument({"trainer: expected a recipe's ", what, " ", range,
+                                                    ", found ", std::to_string(number)});
+        };
+        const auto* const descent = std::get_if<sgd>(&optimiser);
+        const auto* const adam = std::get_if<adamw>(&optimiser);
+        const auto* const drop = std::get_if<step_drop>(&schedule);
+        const auto* const cycle = std::get_if<one_cycle>(&schedule);
+        const auto* const normal = std::get_if<fixed_normal>(&initialisation);
+        require([](double x) { return x >= 0 && std::isfinite(x); }, "of 0 or more, finite",
+                {{"rate", rate},
+                 {"pretrained_rate", pretrained_rate},
+                 {"sharpness_radius", sharpness_radius},
+                 {"ranges.translation", ranges.translation},
+                 {"ranges.rotation", ranges.rotation},
+                 {"ranges.scale", ranges.scale},
+                 {"ranges.pressure", ranges.pressure},
+                 {"ranges.shear", ranges.shear},
+                 {"ranges.noise.additive", ranges.noise.additive},
+                 {"ranges.noise.relative", ranges.noise.relative},
+                 {"l2", descent ? descent->l2 : 0},
+                 {"decay", adam ? adam->decay : 0},
+                 {"drop factor", drop ? drop->factor : 0},
+                 {"initial deviation", normal ? normal->deviation : 0}});
+        require([](double x) { return x > 0 && std::isfinite(x); }, "above 0, finite",
+                {{"epsilon", epsilon},
+                 {"optimiser.epsilon", adam ? adam->epsilon : 1},
+                 {"drop period", drop ? drop->period : 1}});
+        require([](double x) { return x >= 0 && x < 1; }, "of 0 or more and below 1",
+                {{"averaging", averaging},
+                 {"momentum", descent ? descent->momentum : 0},
+                 {"beta1", adam ? adam->beta1 : 0},
+                 {"beta2", adam ? adam->beta2 : 0},
+                 {"warm_up", cycle ? cycle->warm_up : 0}});
+        require([](double x) { return x >= 0 && x <= 1; }, "from 0 to 1",
+                {{"ranges.reflect_rows", ranges.reflect_rows},
+                 {"ranges.reflect_columns", ranges.reflect_columns},
+                 {"ranges.erase", ranges.erase}});
     }
 
 private:
