@@ -15,6 +15,10 @@ extern "C" void on_interrupt(int) {
 } // namespace
 
 void catch_interrupts() {
+#if defined(_WIN32) // where a handler serves once by itself
+    std::signal(SIGINT, on_interrupt);
+    std::signal(SIGTERM, on_interrupt);
+#else
     struct sigaction action {};
     action.sa_handler = on_interrupt;
     action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
@@ -25,6 +29,7 @@ void catch_interrupts() {
     struct sigaction before {};
     if (sigaction(SIGHUP, nullptr, &before) == 0 && before.sa_handler != SIG_IGN)
         sigaction(SIGHUP, &action, nullptr);
+#endif
 }
 
 bool interrupted() {

@@ -1,6 +1,7 @@
 #include "program_arguments.hpp"
 
 #if defined(_WIN32)
+#include <clocale>
 #include <cstdio>
 // Its macros go no further than this file; the others need it before them.
 #include <windows.h>
@@ -15,6 +16,7 @@ program_arguments::program_arguments(int count, [[maybe_unused]] char** words) {
     for (std::FILE* const stream : {stdin, stdout})
         static_cast<void>(::_setmode(::_fileno(stream), _O_BINARY));
     static_cast<void>(::SetConsoleOutputCP(CP_UTF8));
+    static_cast<void>(std::setlocale(LC_CTYPE, ".UTF-8")); // the old run-time library has none
     if (wchar_t** const wide = ::CommandLineToArgvW(::GetCommandLineW(), &count); wide != nullptr) {
         for (int i = 0; i < count; ++i) {
             const auto convert = [&](char* to, int size) {

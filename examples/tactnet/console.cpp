@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 void prepare_standard_streams() noexcept {
+#if !defined(_WIN32)
     // A new file gets the lowest free number. For reading only: printing fails as on a closed stream.
     int file = 0;
     do
@@ -18,6 +19,7 @@ void prepare_standard_streams() noexcept {
     while (file >= 0 && file <= STDERR_FILENO);
     if (file >= 0)
         ::close(file);
+#endif
     ignore_output_signals();
 }
 

@@ -10,12 +10,13 @@
 
 #include <exception>
 #include <new>
+#include <program_arguments.hpp>
 #include <sstream>
 #include <stack.hpp>
 
 namespace {
 
-int run(int count, char** arguments) {
+int run(std::span<const char* const> words) {
     CLI::App program(
         "Recognises touched objects from the pressure images of tactile arrays (instruction set: " +
             describe_program().at("instruction_set") + ")",
@@ -35,7 +36,7 @@ int run(int count, char** arguments) {
         return printable(text) + "\nRun with --help for more information.\n";
     });
     try {
-        program.parse(count, arguments);
+        program.parse(std::vector<std::string>(words.rbegin(), words.rend())); // which begins at the back
     } catch (const CLI::ParseError& error) {
         std::ostringstream out, problem;
         const int status = program.exit(error, out, problem); // help, or what is wrong
@@ -54,12 +55,13 @@ int run(int count, char** arguments) {
 int main(int count, char** arguments) {
     prepare_standard_streams();
     require_stack("tactnet");
+    const program_arguments words(count, arguments);
     const auto complain = [](const std::exception& error, int status) {
         tell("tactnet: {}\n", printable(error.what()));
         return status;
     };
     try {
-        const int status = run(count, arguments);
+        const int status = run(words.words());
         finish_output();
         return status;
     } catch (const tactnet::file_error& error) {

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/tensor/aligned.hpp>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -30,7 +30,8 @@ public:
     [[nodiscard]] float* data() { return memory_.data() + width; }
     [[nodiscard]] bool untouched() const {
         const auto same = [&](float value) { // also where the guard is NaN
-            return std::bit_cast<std::uint32_t>(value) == std::bit_cast<std::uint32_t>(guard_);
+            return tactnet::detail::bits_as<std::uint32_t>(value) ==
+                   tactnet::detail::bits_as<std::uint32_t>(guard_);
         };
         return std::all_of(memory_.begin(), memory_.begin() + width, same) &&
                std::all_of(memory_.begin() + static_cast<std::ptrdiff_t>(width + elements_), memory_.end(),

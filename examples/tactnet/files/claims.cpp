@@ -9,11 +9,16 @@
 #include <chrono>
 #include <fcntl.h>
 #include <string_view>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <system_error>
 #include <thread>
 #include <unistd.h>
+#if defined(_WIN32)
+#include <io.h>
+#include <share.h>
+#else
+#include <sys/file.h>
+#endif
 
 namespace {
 
@@ -21,15 +26,22 @@ constexpr std::string_view lock_prefix = ".tactnet-", lock_suffix = ".lock";
 constexpr std::size_t lock_digits = 16;
 
 /// A hidden file in the same folder, whose name is never too long.
-std::string lock_file_of(const std::filesystem::path& path) {
+std::filesystem::path lock_file_of(const std::filesystem::path& path) {
     std::error_code code;
     std::filesystem::path whole = std::filesystem::weakly_canonical(path, code);
     if (code)
         whole = path;
     const auto name = tactnet::xxh64().update(whole.filename().string()).digest();
-    return (whole.parent_path() / fmt::format("{}{:0{}x}{}", lock_prefix, name, lock_digits, lock_suffix))
-        .string();
+    return whole.parent_path() / fmt::format("{}{:0{}x}{}", lock_prefix, name, lock_digits, lock_suffix);
 }
+
+#if defined(_WIN32)
+
+void remove_and_close(const std::filesystem::path&, int descriptor) noexcept {
+    ::_close(descriptor); // at which the system removes it
+}
+
+#else
 
 bool is_lock_file(std::string_view name) {
     return name.size() == lock_prefix.size() + lock_digits + lock_suffix.size() &&
@@ -37,38 +49,49 @@ bool is_lock_file(std::string_view name) {
 }
 
 /// Whether the open file still has its name: its holder may have removed it just before.
-bool has_name(int descriptor, const std::string& name) {
+bool has_name(int descriptor, const std::filesystem::path& name) {
     struct stat open {
     }, named{};
     return ::fstat(descriptor, &open) == 0 && ::lstat(name.c_str(), &named) == 0 &&
            open.st_ino == named.st_ino && open.st_dev == named.st_dev;
 }
 
-void remove_and_close(const std::string& file, int descriptor) noexcept {
+void remove_and_close(const std::filesystem::path& file, int descriptor) noexcept {
     ::unlink(file.c_str()); // while it is locked, so that no other program's is removed
     ::close(descriptor);
 }
+
+#endif
 
 } // namespace
 
 claims::~claims() {
     for (const lock& held : locks_)
         remove_and_close(held.file, held.descriptor);
+    std::error_code ignored;
     for (; !folders_.empty(); folders_.pop_back())
-        ::rmdir(folders_.back().c_str()); // removes empty folders only
+        std::filesystem::remove(folders_.back(), ignored); // empty folders only
 }
 
 bool claims::take(const std::filesystem::path& name) {
-    const std::string file = lock_file_of(name);
+    const std::filesystem::path file = lock_file_of(name);
     std::error_code code;
     std::vector<std::filesystem::path> missing;
-    for (auto folder = std::filesystem::path(file).parent_path();
-         !folder.empty() && !std::filesystem::exists(folder, code); folder = folder.parent_path())
+    for (auto folder = file.parent_path(); !folder.empty() && !std::filesystem::exists(folder, code);
+         folder = folder.parent_path())
         missing.push_back(folder);
     for (; !missing.empty(); missing.pop_back())
         if (std::filesystem::create_directory(missing.back(), code))
             folders_.push_back(missing.back());
     locks_.reserve(locks_.size() + 1);
+#if defined(_WIN32) // where nobody else opens it meanwhile, and it goes with its program
+    const int descriptor = ::_wsopen(file.c_str(), _O_RDWR | _O_CREAT | _O_TEMPORARY | _O_NOINHERIT,
+                                     _SH_DENYRW, _S_IREAD | _S_IWRITE);
+    if (descriptor < 0)
+        return errno != EACCES || !std::filesystem::exists(file, code);
+    locks_.push_back({file, descriptor});
+    return true;
+#else
     for (;;) {
         const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666);
         if (descriptor < 0)
@@ -84,6 +107,7 @@ bool claims::take(const std::filesystem::path& name) {
         }
         ::close(descriptor);
     }
+#endif
 }
 
 bool claims::take_soon(const std::filesystem::path& name) {
@@ -102,13 +126,14 @@ void claims::release(const std::filesystem::path& name) {
     locks_.erase(held);
 }
 
-void remove_abandoned_claims(const std::filesystem::path& folder) {
+void remove_abandoned_claims([[maybe_unused]] const std::filesystem::path& folder) {
+#if !defined(_WIN32) // there is none there
     std::error_code code;
     auto walk = std::filesystem::directory_iterator(folder.empty() ? "." : folder, code);
     for (; !code && walk != std::filesystem::directory_iterator(); walk.increment(code)) {
         if (!is_lock_file(walk->path().filename().string()))
             continue;
-        const std::string file = walk->path().string();
+        const std::filesystem::path& file = walk->path();
         const int descriptor = ::open(file.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
         if (descriptor < 0)
             continue;
@@ -117,4 +142,5 @@ void remove_abandoned_claims(const std::filesystem::path& folder) {
         else
             ::close(descriptor);
     }
+#endif
 }

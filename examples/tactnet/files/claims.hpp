@@ -3,7 +3,6 @@
 // The one way to lock: what only one of several programs may do at a time.
 
 #include <filesystem>
-#include <string>
 #include <vector>
 
 /// Holds names that no other program may hold: files to write, or work to do. The lock of a name is a hidden
@@ -26,7 +25,7 @@ public:
 
 private:
     struct lock {
-        std::string file;
+        std::filesystem::path file;
         int descriptor;
     };
 

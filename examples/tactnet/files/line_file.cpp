@@ -11,35 +11,64 @@
 #include <algorithm>
 #include <cerrno>
 #include <exception>
-#include <fcntl.h>
 #include <functional>
 #include <stdexcept>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <system_error>
+#if defined(_WIN32)
+#include <chrono>
+#include <cstdio>
+#include <fcntl.h>
+#include <io.h>
+#include <share.h>
+#include <sys/stat.h>
+#include <thread>
 #include <unistd.h>
+#else
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+#endif
 
 namespace {
 
-/// Appends a line to a file that other programs may append to as well, on the disk when this returns. Returns
-/// 0 or the error number. The beginning of a line that was never finished is cut off first: its writer has
-/// failed or is dead, or would hold the lock.
+/// The file to add to, which no other program adds to until it is closed, or less than 0.
+int open_alone(const std::filesystem::path& path) {
+#if defined(_WIN32)
+    for (int tries = 0;; ++tries, std::this_thread::sleep_for(std::chrono::milliseconds(10))) {
+        const int descriptor = ::_wsopen(path.c_str(), _O_RDWR | _O_CREAT | _O_BINARY | _O_NOINHERIT,
+                                         _SH_DENYWR, _S_IREAD | _S_IWRITE);
+        if (descriptor >= 0 || errno != EACCES || tries == 1000)
+            return descriptor;
+    }
+#else
+    const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    while (descriptor >= 0 && ::flock(descriptor, LOCK_EX) != 0)
+        if (const int error = errno; error != EINTR) {
+            ::close(descriptor);
+            errno = error;
+            return -1;
+        }
+    return descriptor;
+#endif
+}
+
+/// Appends a line, on the disk when this returns. Returns 0 or the error number. The beginning of a line that
+/// was never finished is cut off first: its writer has failed or is dead, or would hold the file.
 int append(int descriptor, std::string_view line) {
-    while (::flock(descriptor, LOCK_EX) != 0)
-        if (errno != EINTR)
-            return errno;
-    struct stat status {};
-    if (::fstat(descriptor, &status) != 0)
-        return errno;
-    off_t end = status.st_size;
-    for (char last = 0; end > 0 && ::pread(descriptor, &last, 1, end - 1) == 1 && last != '\n';)
+    auto end = ::lseek(descriptor, 0, SEEK_END);
+    for (char last = 0; end > 0 && ::lseek(descriptor, end - 1, SEEK_SET) >= 0 &&
+                        ::read(descriptor, &last, 1) == 1 && last != '\n';)
         --end;
-    if (::ftruncate(descriptor, end) != 0)
+    if (end < 0 || ::ftruncate(descriptor, end) != 0 || ::lseek(descriptor, end, SEEK_SET) < 0)
         return errno;
-    const ssize_t written = ::write(descriptor, line.data(), line.size());
-    if (written >= 0 && written != static_cast<ssize_t>(line.size())) // a full disk takes what it can
+    const auto written = ::write(descriptor, line.data(), static_cast<unsigned>(line.size()));
+    if (written >= 0 && static_cast<std::size_t>(written) != line.size()) // a full disk takes what it can
         return ENOSPC;
+#if defined(_WIN32)
+    return written < 0 || ::_commit(descriptor) != 0 ? errno : 0;
+#else
     return written < 0 || ::fsync(descriptor) != 0 ? errno : 0;
+#endif
 }
 
 } // namespace
@@ -79,7 +108,7 @@ void line_file::read_on(const std::string& expected, const std::function<void(co
 
 void line_file::add(const std::string& text) const {
     make_folder_of(path_);
-    const int descriptor = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    const int descriptor = open_alone(path_);
     const int error = descriptor < 0 ? errno : append(descriptor, tactnet::with_checksum(text) + '\n');
     if (descriptor >= 0)
         ::close(descriptor); // which ends the lock

@@ -6,12 +6,12 @@
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/text/message.hpp>
 
-#include <cerrno>
 #include <iterator>
 #include <set>
-#include <sys/stat.h>
 #include <system_error>
+#if !defined(_WIN32)
 #include <unistd.h>
+#endif
 
 namespace fs = std::filesystem;
 
@@ -54,14 +54,14 @@ void check_writable(const fs::path& path) {
         folder = folder.parent_path();
     if (!fs::is_directory(folder, code))
         refuse_path("a folder to write in", "a file at " + folder.string());
+#if !defined(_WIN32) // where a folder has no such permissions
     if (::access(folder.c_str(), W_OK | X_OK) != 0)
         refuse_path("a folder to write in", "no permission for " + folder.string());
+#endif
     // Each name by itself, since what is in a missing folder is not looked at.
-    struct stat ignored {};
     for (const fs::path& name : whole.lexically_relative(folder))
-        if (::lstat((folder / name).c_str(), &ignored) != 0 && errno != ENOENT)
-            refuse_path("the name of a file that can be written",
-                        fmt::format("'{}'", std::generic_category().message(errno)));
+        if (fs::symlink_status(folder / name, code).type() == fs::file_type::none)
+            refuse_path("the name of a file that can be written", fmt::format("'{}'", code.message()));
 }
 
 /// Throws usage_error where an output would lie in a subfolder of `data`, which is a class of images:

@@ -11,8 +11,10 @@
 
 #include <cmath>
 #include <cstdio>
-#include <sys/wait.h>
 #include <system_error>
+#if !defined(_WIN32)
+#include <sys/wait.h>
+#endif
 
 namespace {
 
@@ -37,7 +39,10 @@ std::string shell_word(std::string_view text) {
 }
 
 /// What a command of the shell writes to its standard output, and its exit status.
-std::pair<std::string, int> output_of(const std::string& command) {
+std::pair<std::string, int> output_of([[maybe_unused]] const std::string& command) {
+#if defined(_WIN32) // whose shell is another
+    return {"", 127};
+#else
     std::FILE* const pipe = ::popen(command.c_str(), "r");
     if (pipe == nullptr)
         return {"", -1};
@@ -47,6 +52,7 @@ std::pair<std::string, int> output_of(const std::string& command) {
         all.append(some, count);
     const int status = ::pclose(pipe);
     return {std::move(all), status != -1 && WIFEXITED(status) ? WEXITSTATUS(status) : -1};
+#endif
 }
 
 } // namespace

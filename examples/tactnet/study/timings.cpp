@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <cstdlib>
 #include <processor.hpp>
 #include <stopwatch.hpp>
 #include <unistd.h>
@@ -67,8 +68,13 @@ double jitter_over(double microseconds, std::size_t most_calls) {
 }
 
 std::string machine_name() {
+#if defined(_WIN32)
+    const char* const name = std::getenv("COMPUTERNAME");
+    return name != nullptr ? name : "unknown";
+#else
     std::array<char, 256> name{};
     return ::gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "unknown";
+#endif
 }
 
 std::string compiler_name() {

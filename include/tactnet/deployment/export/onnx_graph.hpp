@@ -1,8 +1,7 @@
 #pragma once
 
-#include <tactnet/detail/config.hpp>
+#include <tactnet/detail/arithmetic.hpp>
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -60,7 +59,7 @@ private:
         bytes_ += static_cast<char>(value);
     }
     void append_bytes(float value) {
-        const auto bits = std::bit_cast<std::uint32_t>(value);
+        const auto bits = bits_as<std::uint32_t>(value);
         for (unsigned shift = 0; shift < 32; shift += 8)
             bytes_ += static_cast<char>(bits >> shift & 255);
     }
