@@ -5,6 +5,11 @@
 // that takes a number has one of these checks.
 
 #include <CLI/CLI.hpp>
+#if defined(_WIN32) // CLI11 may have included <windows.h>, and these are names of the library
+#undef far
+#undef near
+#undef pascal
+#endif
 
 #include <cstdint>
 #include <limits>
