@@ -14,8 +14,8 @@ inline std::filesystem::path path_of(std::string_view name) {
 }
 
 /// Made at the beginning of a program. On Windows, standard input and output become binary, so that a
-/// recording passes unchanged and results have the same bytes as elsewhere, a console shows UTF-8, and with the
-/// universal run-time library (UCRT) so is text that becomes a name of a file.
+/// recording passes unchanged and results have the same bytes as elsewhere, a console shows UTF-8, and with
+/// the universal run-time library (UCRT) so is text that becomes a name of a file.
 class program_arguments {
 public:
     program_arguments(int count, char** words);
