@@ -2,6 +2,7 @@
 
 python3 pages.py units SOURCE_FOLDER TO     writes the C++ and the scripts of the pages as files, and lists programs and other units
 python3 pages.py links SOURCE_FOLDER        what they link to is there
+python3 pages.py fields SOURCE_FOLDER       tables of the fields of a struct name each of them, and no other
 python3 pages.py self_check                 each mistake in wrong.txt is found
 """
 
@@ -91,6 +92,22 @@ def links(root):
     print("all links lead somewhere")
 
 
+FIELDS = (  # page, header, struct; a table of the page begins with the first field
+    ("docs/train/training.md", "include/tactnet/training/recipe.hpp", "recipe"),
+    ("docs/train/training.md", "include/tactnet/training/evaluate.hpp", "evaluation"),
+)
+
+
+def fields(root):
+    for page, header, struct in FIELDS:
+        body = re.search(rf"^struct {struct} {{\n(.*?)^}};", pathlib.Path(root, header).read_text(), re.M | re.S)[1]
+        known = re.findall(r"^    [\w:]+(?:<[^;(]*>)? (\w+)(?: = [^;]+|{})?;", body, re.M)
+        table = re.search(rf"^\| `{known[0]}` \|.*?\n\n", pathlib.Path(root, page).read_text(), re.M | re.S)
+        if not table or re.findall(r"^\| `(\w+)` \|", table[0], re.M) != known:
+            sys.exit(f"{page}: expected a table of the fields of {struct}, in their order: {', '.join(known)}")
+    print("all fields are in the tables")
+
+
 def self_check():
     with tempfile.TemporaryDirectory() as folder:
         for part in ("\n" + (pathlib.Path(__file__).parent / "wrong.txt").read_text()).split("\n==> ")[1:]:
@@ -111,4 +128,4 @@ def self_check():
 
 
 if __name__ == "__main__":
-    {check.__name__: check for check in (units, links, self_check)}[sys.argv[1]](*sys.argv[2:])
+    {check.__name__: check for check in (units, links, fields, self_check)}[sys.argv[1]](*sys.argv[2:])

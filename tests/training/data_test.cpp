@@ -320,6 +320,33 @@ TEST_CASE("check_split: what is on both sides, and what training lacks") {
     CHECK(problem({{0, 6}, {}, {}}) == "split: expected samples below 6, found 6");
 }
 
+TEST_CASE("part_of_training: a share of each class, or whole groups; validation and test stay") {
+    std::vector<std::size_t> labels = labels_of(2, 50);
+    labels.insert(labels.end(), 3, 2);
+    const data_split whole = split_data(labels, 3, split_rule::random, 1); // 32, 32 and 1 to train
+    std::vector<std::size_t> before;
+    for (const auto& [share, kept] : {std::pair{0.01, 3u}, {0.25, 17u}, {0.5, 33u}, {1.0, 65u}}) {
+        data_split part = part_of_training(whole, labels, {}, share, 5);
+        CHECK(part.training.size() == kept);
+        CHECK(std::ranges::includes(part.training, before));
+        CHECK(!problem_of(part, labels));
+        before = std::exchange(part.training, whole.training);
+        CHECK(part == whole);
+    }
+    CHECK(std::ranges::is_permutation(whole.training, before));
+    // Four people with every class: two of them for a half, and for a little more three.
+    std::vector<std::size_t> all(40), people(40), postures(40);
+    for (std::size_t i = 0; i < 40; ++i)
+        all[i] = i, people[i] = i / 10, postures[i] = i % 2;
+    for (const auto& [share, kept] : {std::pair{0.01, 10u}, {0.5, 20u}, {0.51, 30u}}) {
+        const data_split part = part_of_training({all, {}, {}}, postures, people, share, 5);
+        CHECK(part.training.size() == kept);
+        for (const std::size_t i : part.training)
+            CHECK(std::ranges::count(part.training, people[i], [&](std::size_t j) { return people[j]; }) ==
+                  10);
+    }
+}
+
 TEST_CASE("balanced: rare classes are repeated in turn") {
     const std::vector<std::size_t> labels{0, 0, 0, 0, 0, 1, 1, no_class};
     const data_split split = balanced({{0, 1, 2, 3, 4, 5, 6, 7}, {}, {}}, labels);

@@ -5,11 +5,11 @@
 #include "methods/weights.hpp"
 #include "reports/classes.hpp"
 #include "reports/pictures.hpp"
+#include "study/comparison.hpp"
 #include "study/page.hpp"
 
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/svm/feature_rows.hpp>
-#include <tactnet/training/intervals.hpp>
 
 #include <cmath>
 
@@ -20,6 +20,7 @@ struct evaluate_options : evaluation_options {
     weight_options weights;
     std::string images = "test";
     std::vector<std::string> methods, sizes;
+    std::vector<double> shares; ///< of the training images, for a learning curve
     std::uint64_t first_seed = 0;
     bool afresh = false; ///< forget earlier results
 };
@@ -67,15 +68,18 @@ void check(const evaluate_options& o, const candidate_list& chosen) {
     std::set<std::filesystem::path> pictures; // a method may be named twice
     for (const candidate& c : chosen)
         for (const std::size_t bits : bits_of(c))
-            for (const std::string_view kind : {"confusion", "reliability"})
-                if (kind == "confusion" || c.what->is_network())
+            for (const std::string_view kind : {"confusion", "reliability", "classes", "predictions"})
+                if (kind != "reliability" || c.what->is_network())
                     pictures.insert(picture_stem(o, kind, c, bits));
-    check_study_files(o.results, {"table.jsonl", "table.csv"}, pictures,
+    if (!o.shares.empty())
+        pictures.insert(std::filesystem::path(o.results) / "learning_curve");
+    check_study_files(o.results, {"table.jsonl", "table.csv", "intervals.csv", "intervals.jsonl"}, pictures,
                       {{"--start", o.training.start}, {"--pretrained", o.training.pretrained}}, o.data,
                       chosen);
 }
 
-void report(const evaluate_options& o, const candidate_list& candidates, const std::vector<study_row>& rows) {
+void report(const evaluate_options& o, const candidate_list& candidates, const std::vector<task>& tasks,
+            const std::vector<study_row>& rows) {
     const std::filesystem::path folder = o.results;
     auto row = rows.begin(); // one for each candidate and format
     for (const candidate& c : candidates)
@@ -84,6 +88,11 @@ void report(const evaluate_options& o, const candidate_list& candidates, const s
                 fmt::format("{}, {} {} splits", title_of(*row), number(*row, shown_rule(rows), "splits"),
                             name_of(shown_rule(rows)));
             plot_confusion(picture_stem(o, "confusion", c, bits), title, row->confusion, row->classes);
+            write_class_report(picture_stem(o, "classes", c, bits), row->confusion, row->classes);
+            if (const std::size_t missing =
+                    write_predictions(picture_stem(o, "predictions", c, bits) += ".csv", c, bits, tasks))
+                tell("{}: the predictions of {} trainings were not kept; --afresh makes them\n", c.what->name,
+                     missing);
             if (row->probabilities)
                 plot_reliability(picture_stem(o, "reliability", c, bits), title, *row->probabilities);
             ++row;
@@ -96,50 +105,6 @@ void report(const evaluate_options& o, const candidate_list& candidates, const s
     print("accuracy: test images, mean ± standard deviation (splits); µs: this machine, one core\n");
 }
 
-/// The accuracy of each method with its interval, and the difference of each to the first, on the same
-/// splits.
-void report_intervals(const candidate_list& candidates, const split_plan& plan,
-                      const std::vector<task>& tasks, const result_list& results) {
-    table_cells cells{{"method", "tactels", "splits", "accuracy, %", "95 % interval", "balanced, %",
-                       "to the first, points", "95 % interval", "by chance"}};
-    for (const tactnet::split_rule rule : plan.rules) {
-        std::vector<double> first;
-        for (const candidate& c : candidates) {
-            std::vector<double> accuracies;
-            tactnet::confusion_matrix all(c.data->images.classes.size());
-            for (const task& t : tasks)
-                if (const training_result* found =
-                        t.of == &c && t.rule == rule ? results.find(t.settings) : nullptr) {
-                    accuracies.push_back(found->confusion.accuracy());
-                    all.add(found->confusion);
-                }
-            if (accuracies.size() < 2)
-                continue;
-            const double tested = static_cast<double>(all.total()) / static_cast<double>(accuracies.size());
-            const double ratio = tested / (static_cast<double>(c.data->images.size()) - tested);
-            const auto interval = [](const tactnet::mean_interval& of) {
-                return fmt::format("{:.2f} to {:.2f}", 100 * of.low, 100 * of.high);
-            };
-            const auto alone = tactnet::mean_interval::of(accuracies, ratio);
-            cells.push_back({c.what->name, c.what->size(),
-                             fmt::format("{} {}", accuracies.size(), name_of(rule)),
-                             fmt::format("{:.2f}", 100 * alone.mean), interval(alone),
-                             fmt::format("{:.2f}", 100 * all.balanced_accuracy()), "", "", ""});
-            if (first.size() == accuracies.size()) {
-                const auto both = tactnet::mean_interval::of_differences(accuracies, first, ratio);
-                cells.back()[6] = fmt::format("{:+.2f}", 100 * both.mean);
-                cells.back()[7] = interval(both), cells.back()[8] = fmt::format("{:.3f}", both.probability);
-            }
-            if (first.empty())
-                first = accuracies;
-        }
-    }
-    if (cells.size() > 1)
-        print(table(without_empty_columns(cells)) +
-              "95 % interval: of the mean over splits, wider for the images that splits have in common; "
-              "by chance: the probability of such a difference between methods that are alike\n\n");
-}
-
 int evaluate(const evaluate_options& o) {
     candidate_list candidates = candidates_of(o);
     check(o, candidates);
@@ -150,16 +115,32 @@ int evaluate(const evaluate_options& o) {
         std::filesystem::remove(list, ignored);
     }
     result_list results(list);
+    candidate_list parts; // of a learning curve, which ends with the candidates themselves
+    for (candidate& c : candidates) {
+        for (const double share : o.shares)
+            parts.push_back(c), parts.back().training.share = share;
+        c.predictions = std::filesystem::path(o.results) / "predictions";
+    }
     std::vector<task> all = tasks_of(candidates, plan);
+    const std::vector<task> of_parts = tasks_of(parts, plan);
+    all.insert(all.end(), of_parts.begin(), of_parts.end());
     if (o.elsewhere)
         static_cast<void>(take_from_elsewhere(all, results, false)); // which warns of them
     if (!train_all(all, o.jobs, results))
         return interrupted_by_user;
     report_intervals(candidates, plan, all, results);
+    std::vector<const candidate*> curve;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+        for (std::size_t s = 0; s < o.shares.size(); ++s)
+            curve.push_back(&parts[i * o.shares.size() + s]);
+        curve.push_back(&candidates[i]);
+    }
+    if (!parts.empty())
+        report_learning_curve(curve, plan, all, results);
     stay_on_this_core();
-    report(o, candidates, rows_of(candidates, plan, all, results, [](const method& what, std::size_t bits) {
-               return measure_latency(what, bits);
-           }));
+    report(o, candidates, all,
+           rows_of(candidates, plan, all, results,
+                   [](const method& what, std::size_t bits) { return measure_latency(what, bits); }));
     return success;
 }
 
@@ -272,6 +253,12 @@ command add_evaluate(CLI::App& program) {
            "Sizes, such as 28x50,14x25, in place of --rows and --columns; images of another size need "
            "--resize")
         ->delimiter(',');
+    app->add_option("--learning-curve", o->shares,
+                    "Also train on shares of the training images, such as 0.125,0.25,0.5, of each class or, "
+                    "if the split is by groups, whole groups, and draw accuracy against their number")
+        ->delimiter(',')
+        ->check(share())
+        ->check(positive_number());
     add_bits_option(*app, o->training.bits,
                     "8: each training also as a network in 8 bits, with the ranges of maps from its training "
                     "images");

@@ -8,10 +8,12 @@
 #include "methods/networks/compiled.hpp"
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
+#include "reports/classes.hpp"
 #include "reports/neighbours.hpp"
 #include "reports/pictures.hpp"
 
 #include <tactnet/io/checkpoint.hpp>
+#include <tactnet/io/write_file.hpp>
 #include <tactnet/text/numbers.hpp>
 
 #include <cmath>
@@ -121,6 +123,7 @@ private:
         outputs = claimed;
         claimed.push_back({"--output", reports + ".confusion"});
         add_picture(outputs, "--output", reports + ".confusion");
+        outputs.push_back({"--output", reports + ".predictions.csv"});
         if (what.is_network())
             add_picture(outputs, "--output", reports + ".learning");
         check_regular(outputs);
@@ -216,18 +219,22 @@ private:
             return which.evaluate(data.view(), images, threads);
         };
         const auto& [train, validate, test_images] = training->split();
-        const tactnet::confusion_matrix test = evaluated(best, test_images).confusion;
+        const tactnet::evaluation tested = evaluated(best, test_images);
+        const tactnet::confusion_matrix& test = tested.confusion;
         const tactnet::evaluation validation = evaluated(best, validate);
         tactnet::file_metadata metadata = settings;
-        if (const auto scaling = fit_temperature(validation, validate, data))
-            metadata["temperature"] = tactnet::shortest_number(scaling->temperature);
+        double temperature = 1;
+        if (const auto scaling = fit_temperature(validation, validate, data)) {
+            temperature = scaling->temperature;
+            metadata["temperature"] = tactnet::shortest_number(temperature);
+        }
         if (epochs != nullptr)
             metadata["trained_epochs"] = fmt::to_string(epochs->history().size());
         if (test.total() > 0)
             metadata["test_accuracy"] = fmt::to_string(test.accuracy());
         if (validation.confusion.total() > 0)
             metadata["validation_accuracy"] = fmt::to_string(validation.confusion.accuracy());
-        write(best, metadata, test);
+        write(best, metadata, tested, temperature);
 
         std::string line = fmt::format("{}: trained in {:.1f} s", printable(weights.string()), seconds);
         const auto accuracy = [](const tactnet::confusion_matrix& of) {
@@ -242,7 +249,7 @@ private:
     }
 
     void write(const trained_method& best, const tactnet::file_metadata& metadata,
-               const tactnet::confusion_matrix& test) const {
+               const tactnet::evaluation& test, double temperature) const {
         bool written = false;
         try {
             make_folder_of(weights);
@@ -252,10 +259,13 @@ private:
             if (epochs != nullptr) // a support vector machine has no learning curve
                 plot_learning_curves(reports + ".learning", fmt::format("{}, {} recipe", title, recipe.name),
                                      epochs->history());
-            if (test.total() > 0)
+            if (!test.recognised.empty()) {
+                tactnet::write_file(reports + ".predictions.csv",
+                                    predictions_csv(data, training->split().test, test, temperature));
                 plot_confusion(reports + ".confusion",
-                               fmt::format("{}, {} split {}", title, name_of(rule), o.seed), test,
+                               fmt::format("{}, {} split {}", title, name_of(rule), o.seed), test.confusion,
                                data.images.classes);
+            }
         } catch (const tactnet::file_error&) { // a full disk, which may have room for it elsewhere
             if (written)
                 tell("the weights are whole in {}; what failed is about them\n", printable(weights.string()));

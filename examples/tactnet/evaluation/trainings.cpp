@@ -3,12 +3,16 @@
 #include "console.hpp"
 #include "data/input_file.hpp"
 #include "files/claims.hpp"
+#include "files/output_files.hpp"
 #include "methods/description.hpp"
 #include "methods/networks/compiled.hpp"
 #include "methods/registry.hpp"
 #include "methods/weights.hpp"
 #include "number_options.hpp"
+#include "reports/classes.hpp"
 #include "reports/neighbours.hpp"
+
+#include <tactnet/io/write_file.hpp>
 
 #include <atomic>
 #include <chrono>
@@ -33,8 +37,15 @@ training_result result_of(const trained_method& trained, const task& t, const tr
     training_result result;
     result.settings = std::move(settings);
     result.confusion = test.confusion;
-    if (const auto scaling = fit_temperature(validation, validation_images, data))
+    const auto scaling = fit_temperature(validation, validation_images, data);
+    if (scaling)
         result.calibration = calibration_of(test, test_images, data, *scaling);
+    if (!t.of->predictions.empty()) {
+        const auto path = predictions_of(*t.of, result.settings);
+        make_folder_of(path);
+        tactnet::write_file(path,
+                            predictions_csv(data, test_images, test, scaling ? scaling->temperature : 1));
+    }
     if (const auto reflections = trained.reflections())
         result.reflected_accuracy =
             trained.evaluate(data.view(), test_images, alone, *reflections).confusion.accuracy();
@@ -194,6 +205,10 @@ bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& resu
 }
 
 } // namespace
+
+std::filesystem::path predictions_of(const candidate& c, const tactnet::file_metadata& settings) {
+    return c.predictions / (fingerprint_of(settings) + ".csv");
+}
 
 void add_evaluation_options(CLI::App& app, evaluation_options& o) {
     add_data_option(app, o.data);

@@ -16,6 +16,7 @@ struct candidate {
     std::shared_ptr<const image_data> data{};
     std::shared_ptr<const trained_method> start{};
     std::shared_ptr<pretrained_weights> pretrained{};
+    std::filesystem::path predictions{}; ///< a folder for those of each training, unless empty
 };
 
 /// The bits of a weight that a candidate is reported in: 32, and 8 if its trainings are.
@@ -30,6 +31,9 @@ struct task {
     std::uint64_t seed;
     tactnet::file_metadata settings;
 };
+
+/// Where the predictions of a training are, by its settings.
+std::filesystem::path predictions_of(const candidate& c, const tactnet::file_metadata& settings);
 
 struct split_plan {
     std::vector<tactnet::split_rule> rules;

@@ -211,6 +211,8 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
         all["folds"] = fmt::to_string(s.folds);
     if (s.balance)
         all["balance"] = "true";
+    if (s.share < 1)
+        all["training_share"] = fmt::to_string(s.share);
     if (s.bits == 8)
         all["bits"] = "8";
     if (!s.start.empty())

@@ -233,8 +233,10 @@ tactnet::data_split split_for(const image_data& data, const training_settings& s
     if (split.training.empty())
         refuse("--split {}: expected images to train, found none", name_of(rule));
     const bool by_groups = tactnet::needs_groups(rule) || rule == tactnet::split_rule::given;
-    if (const auto problem = tactnet::problem_of(
-            split, data.images.labels, by_groups ? std::span(data.groups) : std::span<const std::size_t>())) {
+    const auto groups = by_groups ? std::span(data.groups) : std::span<const std::size_t>();
+    if (s.share < 1)
+        split = tactnet::part_of_training(std::move(split), data.images.labels, groups, s.share, seed);
+    if (const auto problem = tactnet::problem_of(split, data.images.labels, groups)) {
         const auto& [kind, image, part, other] = *problem;
         const std::string name = data.name(image);
         if (kind == tactnet::split_problem::lacking_class)

@@ -29,6 +29,7 @@ struct training_settings : epoch_settings {
     tactnet::split_shares shares;
     std::size_t folds = 5; ///< of rules with a number of them
     bool balance = false;  ///< rare classes are repeated in training
+    double share = 1;      ///< of the training images that are used, for a curve of accuracy
     std::size_t bits = 32; ///< of a weight, once it is trained: 8, or single precision
 
     /// Whether the training images choose the augmentation: by their mean images, and by short trainings.

@@ -2,7 +2,6 @@
 
 #include "console.hpp"
 
-#include <tactnet/io/write_file.hpp>
 #include <tactnet/text/message.hpp>
 
 #include <nlohmann/json.hpp>
@@ -44,12 +43,7 @@ table_cells class_table(const tactnet::confusion_matrix& confusion, const std::v
 
 void write_class_report(const std::filesystem::path& stem, const tactnet::confusion_matrix& confusion,
                         const std::vector<std::string>& classes) {
-    const auto rows = class_rows(confusion, classes);
-    std::string lines;
-    for (const nlohmann::ordered_json& row : rows)
-        lines += row.dump() + '\n';
-    tactnet::write_file(std::filesystem::path(stem) += ".csv", csv_of(rows));
-    tactnet::write_file(std::filesystem::path(stem) += ".jsonl", lines);
+    write_lines(stem, class_rows(confusion, classes));
 }
 
 std::string predictions_csv(const image_data& data, std::span<const std::size_t> images,

@@ -34,6 +34,14 @@ std::string csv_of(std::span<const nlohmann::ordered_json> rows) {
     return text;
 }
 
+void write_lines(const std::filesystem::path& stem, std::span<const nlohmann::ordered_json> rows) {
+    std::string lines;
+    for (const nlohmann::ordered_json& row : rows)
+        lines += row.dump() + '\n';
+    tactnet::write_file(std::filesystem::path(stem) += ".csv", csv_of(rows));
+    tactnet::write_file(std::filesystem::path(stem) += ".jsonl", lines);
+}
+
 std::string grouped(std::size_t number) {
     std::string text = fmt::to_string(number);
     for (std::size_t place = text.size(); place > 3; place -= 3)

@@ -5,6 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstddef>
+#include <filesystem>
 #include <map>
 #include <span>
 #include <string>
@@ -17,6 +18,9 @@ std::string csv_field(std::string_view text);
 
 /// A line for each object, all of which have the same members in the same order; null is an empty field.
 std::string csv_of(std::span<const nlohmann::ordered_json> rows);
+
+/// Writes the same as STEM.csv, and as JSON lines to STEM.jsonl.
+void write_lines(const std::filesystem::path& stem, std::span<const nlohmann::ordered_json> rows);
 
 /// "1 717 696".
 std::string grouped(std::size_t number);

@@ -249,6 +249,35 @@ inline void check_split(const data_split& split, std::span<const std::size_t> la
                                     split_parts[part]});
 }
 
+/// Keeps a share of the training samples of each class, drawn at random, for a curve of accuracy against
+/// their number. `groups` may be empty; otherwise whole groups are kept until no class has less than its
+/// share. Validation and test stay as they are. A smaller share of single samples is part of a larger one.
+[[nodiscard]] inline data_split part_of_training(data_split split, std::span<const std::size_t> labels,
+                                                 std::span<const std::size_t> groups, double share,
+                                                 std::uint64_t seed) {
+    std::map<std::size_t, double> missing;                   // samples, by class
+    std::map<std::size_t, std::vector<std::size_t>> members; // by group
+    for (const std::size_t sample : split.training) {
+        ++missing[labels[sample]];
+        members[groups.empty() ? sample : groups[sample]].push_back(sample);
+    }
+    std::vector<std::size_t> order;
+    for (const auto& of_group : members)
+        order.push_back(of_group.first);
+    random_stream(seed, random_purposes::split, 0).shuffle(order);
+    for (auto& of_class : missing)
+        of_class.second = std::ceil(share * of_class.second - 1e-9); // 0.28 of 25 are 7
+    split.training.clear();
+    for (const std::size_t group : order)
+        if (std::ranges::any_of(members[group], [&](std::size_t i) { return missing[labels[i]] > 0; }))
+            for (const std::size_t sample : members[group]) {
+                --missing[labels[sample]];
+                split.training.push_back(sample);
+            }
+    std::ranges::sort(split.training);
+    return split;
+}
+
 /// Repeats training samples of rare classes in turn, until each class has as many as the largest: for classes
 /// of 5 and of 100 images. Each repetition is augmented by itself. Outliers stay as they are.
 [[nodiscard]] inline data_split balanced(data_split split, std::span<const std::size_t> labels) {

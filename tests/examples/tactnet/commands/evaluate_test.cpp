@@ -99,6 +99,40 @@ TEST_SUITE("program") {
                      "evaluation.jsonl: line 1: expected a result of tactnet evaluate, found");
     }
 
+    TEST_CASE("evaluate: a learning curve, intervals, and each class and image") {
+        const workshop shop;
+        const auto evaluate = [](const words& more) {
+            return "evaluate --data DATA --method tactnet4,svm-linear --rows 7 --columns 13 --epochs 3 "
+                   "--split random --splits 2 --jobs 1 --results r" +
+                   more;
+        };
+        const outcome first = shop.succeeds(evaluate("--learning-curve 0.1,0.5"));
+        says(first.error, "12 trainings to do, of 12 in all");
+        says(first.out, "training images");
+        // 8 of 12 images of each class train; 0.1 and 0.5 of them are 1 and 4.
+        const auto curve = shop.lines("r/learning_curve.csv");
+        REQUIRE(curve.size() == 7);
+        CHECK(curve[0] == "series,x,accuracy,deviation,share,splits");
+        for (const auto& [line, start] : {std::pair{1u, "3.0,"}, {2u, "12.0,"}, {3u, "24.0,"}})
+            CHECK_MESSAGE(curve[line].starts_with("tactnet4 7x13 random," + std::string(start)), curve[line]);
+        CHECK(shop.lines("r/table.csv").size() == 3); // of the whole alone
+        CHECK(shop.lines("r/intervals.csv").size() == 3);
+        CHECK(nlohmann::json::parse(shop.lines("r/intervals.jsonl")[1]).at("to_first").is_number());
+        CHECK(shop.lines("r/classes_tactnet4_7x13.csv").size() == 4);
+        // Two splits of 2 test images a class.
+        const auto predictions = shop.lines("r/predictions_tactnet4_7x13.csv");
+        REQUIRE(predictions.size() == 1 + 2 * 6);
+        CHECK(predictions[0].starts_with("split,seed,path,group,label,prediction,p left,"));
+        CHECK(predictions[12].starts_with("random,1,right/"));
+        CHECK(shop.lines("r/predictions_svm-linear_7x13.csv").size() == 13);
+
+        fs::remove_all(shop / "r/predictions");
+        const outcome again = shop.succeeds(evaluate("--learning-curve 0.1"));
+        says(again.error, "0 trainings to do, of 8 in all");
+        says(again.error, "tactnet4: the predictions of 2 trainings were not kept; --afresh makes them");
+        shop.refuses(evaluate("--learning-curve 1"), "--learning-curve: ");
+    }
+
     TEST_CASE("evaluate: support vector machines, on the same splits") {
         const workshop shop;
         const auto evaluate = [](const words& more) {

@@ -15,13 +15,17 @@ TEST_SUITE("program") {
         const workshop shop;
         const outcome trained = shop.trains("--epochs 15 --output out/net.safetensors");
         says(trained.out, "test accuracy");
-        for (const char* name : {"net.safetensors", "net.learning.csv", "net.confusion.csv"})
+        for (const char* name :
+             {"net.safetensors", "net.learning.csv", "net.confusion.csv", "net.predictions.csv"})
             CHECK_MESSAGE(fs::exists(shop / "out" / name), name);
         // A picture, or a message.
         for (const std::string name : {"net.learning.png", "net.confusion.png"})
             CHECK(fs::exists(shop / "out" / name) !=
                   (trained.error.find(name + " is not drawn") != std::string::npos));
         CHECK(shop.lines("out/net.learning.csv").size() == 16);
+        CHECK(shop.lines("out/net.predictions.csv")[0] ==
+              "path,group,label,prediction,p left,\"p middle, of all\",p right");
+        CHECK(shop.lines("out/net.predictions.csv").size() == 7);
         CHECK(shop.lines("out/net.confusion.csv")[0] == "true class,left,\"middle, of all\",right");
         CHECK_FALSE(fs::exists(shop / "out/net.safetensors.checkpoint"));
 

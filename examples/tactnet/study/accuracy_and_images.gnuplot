@@ -1,0 +1,2 @@
+# Test accuracy against the number of training images.
+set xlabel "training images"
