@@ -38,16 +38,10 @@ public:
     /// `packed`: weights of four filters lie side by side, where a layer takes them so.
     tables(const described_network& network, const ranges* seen, float largest_logit, bool packed)
         : packs_(packed) {
-        std::vector<float> scales(network.maps().size(), 1);
-        const auto& operations = network.operations();
-        for (const operation& o : operations) {
-            const bool last = &o == &operations.back();
-            if (seen != nullptr)
-                scales[o.output] = o.bias.empty() ? scales[o.input]
-                                   : last         ? largest_logit / 127
-                                                  : seen->largest[o.output] / 255;
+        const std::vector<float> scales = seen != nullptr ? scales_of(network, *seen, largest_logit)
+                                                          : std::vector<float>(network.maps().size(), 1);
+        for (const operation& o : network.operations())
             add(o, seen != nullptr, scales[o.input], scales[o.output]);
-        }
         logit_scale_ = scales.back();
         text_ += "constexpr layer layers[] = {\n" + layers_ + "};\n";
     }
@@ -101,15 +95,6 @@ private:
     static std::string size(tactnet::shape s) {
         return "{" + std::to_string(s.rows) + ", " + std::to_string(s.columns) + ", " +
                std::to_string(s.channels) + "}";
-    }
-    /// From [output][channel][row][column] to [output][row][column][channel].
-    template <class Number>
-    static std::vector<Number> channels_last(const operation& o, const std::vector<Number>& weights) {
-        std::vector<Number> to(weights.size());
-        const std::size_t channels = o.from.channels, taps = weights.size() / (o.bias.size() * channels);
-        for (std::size_t i = 0; i < to.size(); ++i)
-            to[i] = weights[(i / (taps * channels) * channels + i % channels) * taps + i / channels % taps];
-        return to;
     }
     /// From [output][tap] to [four outputs][tap][output].
     static std::vector<float> in_fours(const std::vector<float>& weights, std::size_t outputs) {

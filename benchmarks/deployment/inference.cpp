@@ -69,7 +69,7 @@ double error_of_ratio(const collector::summary& a, const collector::summary& b) 
 }
 
 /// Peers other than oneDNN that were found when this was compiled.
-constexpr const char* other_peers[] = {"onnxruntime", "opencv_dnn", "libtorch"};
+constexpr const char* other_peers[] = {"onnxruntime", "opencv_dnn", "libtorch", "ncnn"};
 
 /// The fastest peer of a case ("tactnet6/28x50/batch1"); in 8 bits there is oneDNN alone.
 collector::summary fastest_peer(const collector& all, const std::string& end) {

@@ -8,6 +8,7 @@
 // choose their own. Exit status 1 if outputs differ.
 
 #include "../peers/onednn_chain.hpp"
+#include "../support/measure.hpp"
 
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/eight_bit/steps.hpp>
@@ -19,7 +20,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -52,38 +52,11 @@ using floats = benchmark::onednn_chain<float>;
 using whole = benchmark::onednn_chain<std::uint8_t>;
 using how = dnnl::algorithm;
 
-double seconds_of(auto&& body, std::size_t repeats) {
-    const auto start = std::chrono::steady_clock::now();
-    for (std::size_t r = 0; r < repeats; ++r)
-        body();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() /
-           static_cast<double>(repeats);
-}
-/// How often to repeat what takes less than 100 µs.
-std::size_t repeats_of(auto&& body) {
-    double least = seconds_of(body, 1);
-    for (int i = 0; i < 20; ++i)
-        least = std::min(least, seconds_of(body, 1));
-    return 1 + static_cast<std::size_t>(1e-4 / least);
-}
-double quantile(std::vector<double> values, double share) {
-    std::sort(values.begin(), values.end());
-    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
-}
-
 /// Times both in turns, and prints a line.
 void race(const char* format, const char* name, const shape& size, auto&& own, auto&& peer) {
-    constexpr std::size_t rounds = 101;
-    const std::size_t own_repeats = repeats_of(own), peer_repeats = repeats_of(peer);
-    std::vector<double> ours, theirs, ratios;
-    for (std::size_t round = 0; round < rounds; ++round) {
-        ours.push_back(1e6 * seconds_of(own, own_repeats));
-        theirs.push_back(1e6 * seconds_of(peer, peer_repeats));
-        ratios.push_back(theirs.back() / ours.back());
-    }
+    const benchmark::race_result r = benchmark::race(own, peer);
     std::printf("| %s | %s | %zu × %zu × %zu | %.2f | %.2f | %.2f | %.2f … %.2f |\n", name, format, size.rows,
-                size.columns, size.channels, quantile(ours, 0.5), quantile(theirs, 0.5),
-                quantile(ratios, 0.5), quantile(ratios, 0.25), quantile(ratios, 0.75));
+                size.columns, size.channels, 1e6 * r.own, 1e6 * r.peer, r.ratio, r.lower, r.upper);
     std::fflush(stdout);
 }
 
@@ -149,10 +122,10 @@ void compare(const char* name, auto&& build) {
         }
         report(error <= 1e-5 * largest && expected.size() == step::output.size(), name, error / largest);
         std::vector<double> times;
-        const std::size_t repeats = repeats_of([&] { peer->run(); });
+        const std::size_t repeats = benchmark::repeats_of([&] { peer->run(); });
         for (int round = 0; round < 21; ++round)
-            times.push_back(seconds_of([&] { peer->run(); }, repeats));
-        if (const double time = quantile(times, 0.5); !fastest || time < least)
+            times.push_back(benchmark::seconds_of([&] { peer->run(); }, repeats));
+        if (const double time = benchmark::quantile(times, 0.5); !fastest || time < least)
             least = time, fastest.emplace(std::move(*peer));
     }
     race("float", name, Input, own, [&] { fastest->run(); });

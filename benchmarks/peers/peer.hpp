@@ -35,9 +35,23 @@ public:
 [[nodiscard]] std::unique_ptr<peer> make_libtorch(const described_network& network, std::size_t batch);
 /// ONNX Runtime's sessions, on one thread.
 [[nodiscard]] std::unique_ptr<peer> make_onnxruntime(const described_network& network, std::size_t batch);
+/// ncnn on one thread, in single precision.
+[[nodiscard]] std::unique_ptr<peer> make_ncnn(const described_network& network, std::size_t batch);
 /// oneDNN in 8 bits on one thread. `frames`, as many as it will run, set the activation ranges.
 [[nodiscard]] std::unique_ptr<byte_peer> make_onednn_8bit(const described_network& network, std::size_t batch,
                                                           std::span<const std::uint8_t> frames);
+
+/// A GRU or an LSTM by PyTorch's arrays, one after the other.
+struct recurrent_layer {
+    bool lstm;
+    std::size_t features, hidden;
+    std::span<const float> values;
+};
+/// It in RTNeural's back ends. Frames are a recording, logits the outputs of each of them. Null if the sizes
+/// are none of those that were compiled.
+[[nodiscard]] std::unique_ptr<peer> make_rtneural_eigen(const recurrent_layer& layer);
+[[nodiscard]] std::unique_ptr<peer> make_rtneural_xsimd(const recurrent_layer& layer);
+[[nodiscard]] std::unique_ptr<peer> make_rtneural_stl(const recurrent_layer& layer);
 
 /// Calls with(name, make) for each library in single precision that CMake has found; make(network, batch) is
 /// a peer.
@@ -54,6 +68,9 @@ void for_each_library([[maybe_unused]] const With& with) {
 #endif
 #ifdef TACTNET_BENCHMARK_ONNXRUNTIME
     with("onnxruntime", make_onnxruntime);
+#endif
+#ifdef TACTNET_BENCHMARK_NCNN
+    with("ncnn", make_ncnn);
 #endif
 }
 

@@ -24,6 +24,16 @@ struct operation {
     std::vector<float> weights{}, bias{}; ///< [output][channel][row][column]
 };
 
+/// From [output][channel][row][column] to [output][row][column][channel].
+template <class Number>
+[[nodiscard]] std::vector<Number> channels_last(const operation& o, const std::vector<Number>& weights) {
+    std::vector<Number> to(weights.size());
+    const std::size_t channels = o.from.channels, taps = weights.size() / (o.bias.size() * channels);
+    for (std::size_t i = 0; i < to.size(); ++i)
+        to[i] = weights[(i / (taps * channels) * channels + i % channels) * taps + i / channels % taps];
+    return to;
+}
+
 class described_network {
 public:
     template <class Network>

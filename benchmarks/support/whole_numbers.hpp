@@ -97,6 +97,18 @@ private:
     }
 };
 
+/// What one of each map's bytes is worth, where all maps but the logits hold nothing below zero.
+/// `largest_logit` is what the last byte stands for.
+[[nodiscard]] inline std::vector<float> scales_of(const described_network& network, const ranges& seen,
+                                                  float largest_logit) {
+    std::vector<float> scales(network.maps().size(), 1);
+    for (const operation& o : network.operations())
+        scales[o.output] = o.bias.empty()                       ? scales[o.input]
+                           : &o == &network.operations().back() ? largest_logit / 127
+                                                                : seen.largest[o.output] / 255;
+    return scales;
+}
+
 /// Weights and biases in whole numbers, and what one of a sum of each filter is worth.
 struct whole_numbers {
     std::vector<std::int8_t> weights;

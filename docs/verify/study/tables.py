@@ -135,6 +135,17 @@ def speed(name):
                      "PyTorch 1.13.0, its C++ functions": "libtorch_us"}
         row = inference("Zen 4")["tactnet6/28x50"]
         return "| TactNet-6 at 28 × 50 | µs per frame |\n|---|---|\n" + "".join(f"| {name} | {row[key]} |\n" for name, key in libraries.items())
+    if name == "rivals":
+        best = {}  # of a library's back ends, the fastest
+        for row in read("zen5/2026-11-28/rivals.csv"):
+            best.setdefault((row["library"].split(" with ")[0], row["what"]), []).append(row)
+        rows = [min(each, key=lambda row: float(row["library_us"])) for each in best.values()]
+        return table_of("| network | library | tactnet, µs | library, µs | library ÷ tactnet (quartiles) |", [
+            f"| {row['what']} | {row['library']} | {float(row['tactnet_us']):.3g} | {float(row['library_us']):.3g} | "
+            f"{float(row['ratio']):.3g} ({float(row['lower']):.3g}–{float(row['upper']):.3g}) |" for row in rows])
+    if name == "boards":
+        rows = re.findall("\n([|] TactNet[^|]+)[|] Cortex-M7 ([|].*)", (ROOT / "docs/recognise/deployment.md").read_text())
+        return table_of("| Cortex-M7, thousand instructions per frame | tactnet | CMSIS-NN | CMSIS-NN ÷ tactnet |", list(map("".join, rows)))
     if name == "ratios":
         lines = []
         for label, batch, kind in (("one frame", "1", ""), ("batches of 64", "64", ""), ("8 bits, one frame", "1", "_8bit"),
@@ -265,7 +276,8 @@ for table in ("networks", "ratios"):
 for numbers in ("float", "8 bits"):
     put("docs/recognise/speed.md", f"speed cold {numbers}", speed(f"cold {numbers}"))
 put("docs/verify/results.md", "mat", mat())
-put("docs/choosing.md", "speed libraries", speed("libraries"))
+for table in ("libraries", "rivals", "boards"):
+    put("docs/choosing.md", f"speed {table}", speed(table))
 # Figures in words.
 large = (r"\n[|] tactnet6, thorough recipe [|] 28 × 50 [|] ([0-9.]+) [|] ([0-9.]+) ± ([0-9.]+) [(]20[)] [|] ([0-9.]+) ± ([0-9.]+) ")
 small = r"\n[|] tactnet4 in 8 bits [|] 7 × 13 [|] ([0-9.]+) "
