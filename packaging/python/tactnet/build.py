@@ -56,7 +56,7 @@ def flags():
 def library():
     """A digest of all headers, and of the processor that `native` means."""
     digest = hashlib.sha256()
-    for folder, pattern in ((PACKAGE, "native/*pp"), (INCLUDE, "tactnet/**/*.hpp")):
+    for folder, pattern in ((PACKAGE, "native/**/*pp"), (INCLUDE, "tactnet/**/*.hpp")):
         for path in sorted(folder.glob(pattern)):
             digest.update(path.read_bytes())
     with contextlib.suppress(OSError), open("/proc/cpuinfo") as file:
