@@ -33,5 +33,5 @@ class compiled(setuptools.Distribution):
 
 text = (INCLUDE / "tactnet/version.hpp").read_text()
 setuptools.setup(version=".".join(re.search(f"VERSION_{part} ([0-9]+)", text)[1] for part in ("MAJOR", "MINOR", "PATCH")),
-                 packages=["tactnet", "tactnet.onnx", "tactnet.onnx.operators"], package_data={"tactnet": ["native/*", "native/module/*", "py.typed"]},
+                 packages=["tactnet", "tactnet.onnx", "tactnet.onnx.operators"], package_data={"tactnet": ["native/*", "native/module/*", "py.typed", "*.pyi"]},
                  cmdclass={"build_py": build_with_module}, distclass=compiled)

@@ -228,10 +228,10 @@ model("linear_regressor", (1, 12), lambda b: b(
     "LinearRegressor", "x", domain="ai.onnx.ml", coefficients=list(b.draw(24)), intercepts=list(b.draw(2)), targets=2), ai_onnx_ml=1)
 
 
-def quantised():
+def quantised(of_input=1.0):
     """A model of 8 bits as onnxruntime's quantiser writes it (QDQ), without the ReLU that a zero point stands for. Also the scales of its
     maps: of the input, and after each layer."""
-    b, scales = Builder(1, 1, 6, 5), [1.0, 2.0, 16.0]
+    b, scales = Builder(1, 1, 6, 5), [of_input, 2.0, 16.0]
     byte = lambda value, kind: numpy_helper.from_array(numpy.asarray(value, kind), f"q{len(b.constants)}")  # noqa: E731
 
     def stored(value, kind):

@@ -5,6 +5,7 @@ import contextlib
 import doctest
 import importlib
 import io
+import json
 import os
 import pathlib
 import pickle
@@ -51,6 +52,7 @@ def message(kind, call, *parts):
 def same_bits(program):
     """A network that was trained here gives the outputs of C++, alone, in batches and in 8 bits, and costs little more."""
     frames, labels = touches(60, 5, 14, 25)
+    frames[:10] %= 20  # of air
     network = tactnet.Network.named("tactnet4", (14, 25), 5)
     assert (network.input_shape, network.outputs, network.parameters, network.multiply_adds) == ((14, 25, 1), 5, 4085, 130416)
     network.fit(frames, labels, epochs=2, validation=range(0, 60, 7))
@@ -62,7 +64,9 @@ def same_bits(program):
     assert (network.load_deployed("scores_8.safetensors").scores(frames) == eight.scores(frames)).all()
     frames.tofile("frames.bin")
     run = subprocess.run([program, "scores.safetensors", "frames.bin", "scores_8.safetensors"], capture_output=True, text=True, check=True)
-    expected = numpy.array([float.fromhex(line) for line in run.stdout.split()], numpy.float32).reshape(2, 60, 5)
+    numbers = numpy.array([float.fromhex(line) for line in run.stdout.split()], numpy.float32)
+    expected = numbers[:600].reshape(2, 60, 5)
+    same_touches(numbers[600:], frames, expected[1, -1])
     for deployed, outputs in zip((single, eight), expected):
         assert (deployed.scores(frames, threads=2) == outputs).all()
         for form in (frames[7], frames[7].astype(numpy.float32), frames.astype(numpy.int64)[7], numpy.asfortranarray(frames[7]), frames[7].ravel()):
@@ -94,6 +98,66 @@ def same_bits(program):
     for path in ("/dev/full", "."):
         message(OSError, lambda: network.save(path), "expected a file")
     message(tactnet.TrainingDiverged, lambda: network.fit(frames, labels, rate=1e30), "lower the learning rate")
+
+
+def same_touches(numbers, frames, logits):
+    """Health, contacts, a simulation and evidence as in C++."""
+    sensor = tactnet.Sensor((14, 25), full=200)
+    sensor.learn(frames[:10])
+    state = sensor.state
+    clean, contacts = sensor.update(frames[10:])
+    of_each = numbers[:50 * 351].reshape(50, 351)
+    assert (clean.reshape(50, 350) == of_each[:, :-1]).all() and (contacts["area"] == of_each[:, -1]).all() and contacts["firm"].any()
+    again = tactnet.Sensor((14, 25), full=4095)
+    again.learn(frames[0].astype(numpy.uint16) * 16)
+    assert again.update(frames[0].astype(numpy.uint16) * 16)[0].max() < 20 and not again.update(frames[0] * 0)[1]["touching"]
+    broken = frames[0].astype(numpy.float32)
+    broken[3, 4] = numpy.nan
+    again.update(broken)
+    assert again.faults[0][:3] == (3, 4, "broken") and not again.worn_out
+    again.state = state
+    assert not again.faults
+    message(ValueError, lambda: setattr(again, "state", state[1:]), "state: ")
+    message(ValueError, lambda: again.update(frames[0].T), "14 x 25", "(25, 14)")
+    scene = tactnet.Scene((14, 25), ["contact<winkler>", "noise{.additive = 300}", "quantisation<8>"], unit=7)
+    heights = (255 - frames[-1].astype(numpy.float32)) * numpy.float32(1e-5)
+    measured, pascals, contact = scene.touch(heights, newtons=5, seed=3, frame=2)
+    assert (measured.ravel() == numbers[50 * 351:-1]).all() and abs(contact["force"] - 5) < 1e-6 and pascals.shape == (14, 25)
+    assert (scene.touch(numpy.stack([heights] * 3), newtons=5, seed=3)[0][2] == measured).all()
+    message(ValueError, lambda: scene.touch(heights, newtons=5, metres=1), "found both")
+    message(ValueError, lambda: tactnet.Scene((14, 25), ["contact<winkler>", "quantisation<8>", "noise"]), "order of physics")
+    evidence = tactnet.Evidence(5, temperature=2)
+    assert evidence.most_likely() is None and evidence.add(logits) == 1
+    evidence.end_grasp()
+    assert evidence.add(numpy.stack([logits, numpy.nan * logits])) == 1 and evidence.grasps == 2
+    assert numpy.float32(evidence.most_likely()[1]) == numbers[-1] and evidence.decide(1e-9) is None and evidence.decide(1)[0] == logits.argmax()
+    held_out = numpy.random.default_rng(4).normal(size=(200, 5)).astype(numpy.float32)
+    members = tactnet.PredictionSet(held_out, held_out.argmax(1), 0.9).predict(held_out)
+    assert members[range(200), held_out.argmax(1)].mean() >= 0.9 and members.sum(1).min() == 1
+    for wrong in (lambda: tactnet.Evidence(0), lambda: evidence.add(logits[:4]), lambda: tactnet.PredictionSet(held_out, held_out.argmax(1), 2)):
+        message(ValueError, wrong, "expected", "found")
+
+
+def recordings(_):
+    """Whole recordings without a copy, bytes as they come, and damage in one sentence."""
+    frames = touches(4, 2, 5, 7)[0].astype(numpy.float32)
+    numpy.save("frames.npy", frames)
+    recording = tactnet.decode("frames.npy")
+    assert (recording.frames == frames).all() and recording.frames.base is recording and not recording.frames.flags.writeable
+    assert recording.certain_frames == 4 and recording.damage is None and recording.description["columns"] == 7 and numpy.isnan(recording.seconds).all()
+    data = pathlib.Path("frames.npy").read_bytes()
+    message(tactnet.FileError, lambda: tactnet.decode(memoryview(data)[:-9]), "bytes: ", "expected", "found")
+    damaged = tactnet.decode(data[:-9], keep_damaged=True)
+    assert (damaged.frames == frames[:3]).all() and "expected" in damaged.damage
+    sensor = {"rows": 2, "columns": 3, "cell": "uint16", "marker": "AA 55", "checksum": {"kind": "sum8"}}
+    packets = b"".join(b"\xaa\x55" + body + bytes([sum(b"\xaa\x55" + body) % 256]) for body in (bytes(range(n, n + 12)) for n in (1, 5, 9)))
+    device = tactnet.Decoder(sensor)
+    found = numpy.concatenate([device.push(packets[i:i + 1]) for i in range(len(packets))] + [device.finish()])
+    assert (found == tactnet.decode(packets, sensor).frames).all() and found.shape == (3, 2, 3) and found[0, 0, 1] == 3 + 4 * 256 and device.error is None
+    device = tactnet.Decoder(sensor)
+    assert [len(device.push(part)) for part in (packets, packets[:5] + b"x" + packets[6:15], packets)] == [3, 0, 3]
+    assert "frame 4: expected the marker of a frame" in device.error
+    message(ValueError, lambda: tactnet.Decoder({**sensor, "rows": 0}), "'rows'", "found 0")
 
 
 def classifier(_):
@@ -175,10 +239,92 @@ def compiler(_):
 
 
 def doctests(_):
-    for name in ("tactnet", "tactnet.layers", "tactnet.network", "tactnet.classifier", "tactnet.build"):
+    for name in ("tactnet", "tactnet.layers", "tactnet.network", "tactnet.classifier", "tactnet.sensing", "tactnet.build"):
         assert not doctest.testmod(importlib.import_module(name)).failed, name
     undocumented = [name for name, each in vars(tactnet.layers).items() if name[0].isupper() and callable(each) and not each.__doc__]
     assert not undocumented, undocumented
+
+
+def quantised(_):
+    """A quantised model of ONNX with its own scales: the bytes of integer arithmetic, and the runtime's outputs but for their rounding."""
+    sys.path.insert(0, str(pathlib.Path(__file__).parents[1] / "onnx"))
+    try:
+        import operator_models
+        from oracle import Oracle
+    except ImportError as error:
+        print(f"skipped: {error}")
+        sys.exit(77)
+    from tactnet.onnx.operators.quantised import eight_bit_steps
+    data, scales = operator_models.quantised()
+    network = tactnet.Network.from_onnx(data)
+    layers, steps = [layer for layer in network._imported.layers if layer.arrays], eight_bit_steps(network._imported)
+    frames = numpy.random.default_rng(1).integers(0, 256, (300, 6, 5)).astype(numpy.uint8)
+    found, sums = network.deploy(bits=8).scores(frames), []
+    for frame in frames:
+        x, of_input = frame[None].astype(float), 1.0
+        for layer, step, scale in zip(layers, steps, scales[1:]):
+            unit = step["scale"] * of_input
+            factors = numpy.rint(step["weight"] / step["scale"].reshape(-1, *[1] * (step["weight"].ndim - 1)))
+            x, of_input = layer.run(x, {"weight": factors, "bias": numpy.rint(step["bias"] / unit)}), scale
+            last = x * unit[:, None, None]
+            x = numpy.clip(numpy.rint(last / scale), 0, 255)
+        sums.append(last.ravel())
+    assert abs(found - sums).max() <= 1e-6 * abs(found).max(), abs(found - sums).max()
+    folder = os.environ.get("TACTNET_ONNXRUNTIME")
+    if folder and pathlib.Path(folder, "node_modules/onnxruntime-node").is_dir():
+        runtime = numpy.array(Oracle(folder).outputs(data, [f[None, None] for f in frames], network._imported.graph.output)).reshape(found.shape)
+        apart = abs(found - runtime)[abs(runtime) < 127 * scales[2]]
+        print(f"{apart.size} outputs, at most {apart.max() / scales[2]:.3f} of a step from those of the runtime")
+        assert apart.max() <= scales[2] / 2 * (1 + 1e-5)
+    network._imported = tactnet.onnx.read(operator_models.quantised(2.0)[0])
+    message(tactnet.onnx.CannotImport, lambda: network.deploy(bits=8), "scale and zero point (2.0, 0)", "nearest")
+    network._imported = None
+    message(ValueError, lambda: network.deploy(bits=8), "training images")
+
+
+def types(_):
+    """mypy finds no mistake in the package, and mistakes of those who use it; the stub has what the module has."""
+    try:
+        from mypy import api, stubtest
+    except ImportError:
+        sys.exit(77)
+    os.environ["MYPYPATH"] = str(build.PACKAGE.parent)
+    found = api.run(["--ignore-missing-imports", "--no-incremental", "-p", "tactnet"])
+    assert found[2] == 0, found
+    pathlib.Path("use.py").write_text("""import tactnet
+from tactnet.layers import Dense
+network = tactnet.Network((2, 3), [Dense(2), "relu"])
+name: int = network.deploy().classify([1])
+tactnet.decode("frames.npy").frames.shape.x
+tactnet.Sensor((2, 3)).update([1], 2)
+tactnet.Evidence("2").add([1.0])
+""")
+    wrong = {int(line.split(":")[1]) for line in api.run(["--ignore-missing-imports", "--no-incremental", "use.py"])[0].splitlines() if ": error:" in line}
+    assert wrong == {3, 4, 5, 6, 7}, wrong
+    output = io.StringIO()
+    with contextlib.redirect_stdout(output):
+        stubtest.test_stubs(stubtest.parse_options(["--concise", "tactnet._core"]))
+    missing = [line for line in output.getvalue().splitlines() if " present " in line and not re.search(r"_core\.(Recipe\.|input |augmentation )", line)]
+    assert not missing, missing
+
+
+def folds(program):
+    """`tactnet evaluate` and cross_val_score give each fold of whole groups the same accuracy."""
+    frames, labels = touches(72, 3, 14, 25)
+    frames[::5] = frames[::5, ::-1] // 2
+    order, people = numpy.argsort(labels, kind="stable"), numpy.arange(72) // 12
+    for i in order:
+        folder = pathlib.Path(f"data/class_{labels[i]}")
+        folder.mkdir(parents=True, exist_ok=True)
+        numpy.save(folder / f"person{people[i]}_{i:02}.npy", frames[i])
+    subprocess.run([program, "evaluate", "--data", "data", "--method", "tactnet4", "--sizes", "14x25", "--group", r"person(\d+)", "--split", "group-folds", "--folds",
+                    "3", "--epochs", "9", "--augmentation", "none", "--validation", "0", "--jobs", "1"], check=True, capture_output=True)
+    expected = {int(line["settings"]["seed"]): line["accuracy"] for line in map(json.loads, open("results/evaluation.jsonl"))}
+    X, y, found = frames[order], labels[order], {}
+    for seed, split in enumerate(sklearn.model_selection.GroupKFold(3).split(X, y, people[order])):
+        own = tactnet.Classifier("tactnet4", outputs=22, epochs=9, validation=0, settings={"augmentation": "none"}, seed=seed)
+        found[seed] = sklearn.model_selection.cross_val_score(own, X, y, cv=[split])[0]
+    assert found == expected and len(set(found.values())) > 1, (found, expected)
 
 
 def estimator(_):

@@ -6,10 +6,18 @@
 network<shape{14, 25}, conv2d<8, 3>, relu, max_pool<2>, dense<5>>
 """
 
+from typing import TYPE_CHECKING
+
 from .build import CompilationFailed, CompilerNotFound
 from .network import Deployed, Network
+from .sensing import Decoder, Scene, Sensor, decode
 
-__all__ = ["Classifier", "CompilationFailed", "CompilerNotFound", "Deployed", "FileError", "Network", "TrainingDiverged"]
+if TYPE_CHECKING:
+    from ._core import Evidence, FileError, PredictionSet, Recording, Stream, TrainingDiverged
+    from .classifier import Classifier
+
+__all__ = ["Classifier", "CompilationFailed", "CompilerNotFound", "Decoder", "Deployed", "Evidence", "FileError", "Network", "PredictionSet", "Recording",
+           "Scene", "Sensor", "Stream", "TrainingDiverged", "decode"]
 
 
 def __getattr__(name):
@@ -17,7 +25,7 @@ def __getattr__(name):
     if name == "Classifier":
         from .classifier import Classifier
         return Classifier
-    if name in ("FileError", "TrainingDiverged", "Stream"):
+    if name in __all__:
         from . import build
         return getattr(build.core(), name)
     raise AttributeError(f"module 'tactnet' has no attribute {name!r}")

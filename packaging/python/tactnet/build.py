@@ -21,6 +21,7 @@ import sysconfig
 import tempfile
 import threading
 import time
+from typing import Any
 
 PACKAGE = pathlib.Path(__file__).resolve().parent
 INCLUDE = next((folder for folder in (PACKAGE / "include", PACKAGE.parents[2] / "include") if (folder / "tactnet").is_dir()), PACKAGE / "include")
@@ -194,11 +195,11 @@ def core_path(to=None):
 
 
 @functools.lru_cache(None)
-def core():
+def core() -> Any:
     """The module of C++."""
     path = core_path()
     loader = importlib.machinery.ExtensionFileLoader("tactnet._core", str(path))
-    module = importlib.util.module_from_spec(importlib.util.spec_from_loader("tactnet._core", loader))
+    module = importlib.util.module_from_spec(importlib.machinery.ModuleSpec("tactnet._core", loader, origin=str(path)))
     loader.exec_module(module)
     return sys.modules.setdefault("tactnet._core", module)
 
@@ -206,11 +207,9 @@ def core():
 PARTS = ("described", "deployed", "trainable", "eight_bit", "stream")
 
 
-def part_source(network, part):
+def part_source(network, part, given=""):
     return f"""#include "{part}.hpp"
-
-#include <tactnet/networks.hpp>
-
+{"#include <tactnet/networks.hpp>" if part in PARTS else ""}
 #include <ratio>
 
 namespace {{
@@ -219,13 +218,14 @@ using net = {network};
 }}
 
 extern "C" void tactnet_code(tactnet_python::network_code* to) {{
-    *to = tactnet_python::code_of_{part}<net>();
+    *to = tactnet_python::code_of_{part}<net>({given});
 }}
 """
 
 
-def part_path(network, part, to=None):
-    return built(part_source(network, part), f"{network if len(network) < 60 else network[:57] + '...'} ({part.replace('_', ' ')})", part, to=to)
+def part_path(network, part, to=None, given=""):
+    """`given` are arguments of the function that makes the part."""
+    return built(part_source(network, part, given), f"{network if len(network) < 60 else network[:57] + '...'} ({part.replace('_', ' ')})", part, to=to)
 
 
 def main():

@@ -56,9 +56,9 @@ class Classifier(ClassifierMixin, BaseEstimator):
             self.network_ = Network.named(self.network, shape, outputs)
         else:
             self.network_ = Network(shape, [*self.network, layers.Dense(outputs)])
-        settings = {**{name: value for name, value in (("epochs", self.epochs), ("rate", self.rate)) if value is not None}, **(self.settings or {})}
+        settings: dict = {**{name: value for name, value in (("epochs", self.epochs), ("rate", self.rate)) if value is not None}, **(self.settings or {})}
         held_out = self._held_out(labels, groups) if validation_indices is None else validation_indices
-        self.history_ = []
+        self.history_: list = []
         self.network_.compile("trainable", "deployed")
         self.network_.fit(X, labels, [str(c) for c in self.classes_], held_out, self.recipe, self.seed, self.threads, report=self._report, **settings)
         self.deployed_ = self.network_.deploy()

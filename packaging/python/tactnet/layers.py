@@ -10,6 +10,7 @@ residual<sequence<conv2d<16, 3>, batch_norm>>
 import inspect
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import Callable
 
 from .spelling import call, extent
 
@@ -73,7 +74,7 @@ def ratio(value) -> str:
     return f"std::ratio<{share.numerator}, {share.denominator}>"
 
 
-def _layer(text, what, **parameters):
+def _layer(text: str, what: str, **parameters) -> Callable[..., Layer]:
     """A function that spells a layer. Parameters are how they are spelled, or that and their default; None is the window or the kernel."""
     spellings = {name: each if isinstance(each, tuple) else (each,) for name, each in parameters.items()}
     signature = inspect.Signature([inspect.Parameter(name, inspect.Parameter.POSITIONAL_OR_KEYWORD, default=each[1] if each[1:] else inspect.Parameter.empty)
@@ -87,11 +88,11 @@ def _layer(text, what, **parameters):
         spelled = call(text.rstrip("<>"), *((own, default[0] if default else "") for own, *default in texts))
         return Layer(spelled + "<>" if text.endswith("<>") and "<" not in spelled else spelled)
 
-    make.__signature__, make.__doc__ = signature, what
+    vars(make)["__signature__"], make.__doc__ = signature, what
     return make
 
 
-def _list(text, what):
+def _list(text: str, what: str) -> Callable[..., Layer]:
     def make(*layers):
         return Layer(f"{text}<{', '.join(map(branch, layers))}>")
     make.__doc__ = what

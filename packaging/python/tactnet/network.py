@@ -6,13 +6,16 @@ import concurrent.futures
 import math
 import os
 import re
-from typing import Iterable, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Iterable, List, Optional, Sequence, Set
 
 import numpy
 
 from . import build
 from .files import write_safely
 from .layers import Layer, whole
+
+if TYPE_CHECKING:
+    from . import _core
 
 
 class Network:
@@ -47,6 +50,7 @@ class Network:
         if not isinstance(imported, onnx.Network):
             raise onnx.CannotImport("it is a support vector machine, which tactnet_machine.hpp loads; the nearest: a network")
         network = cls._of_type(f"network<{_shape(imported.shape)}, {', '.join(map(str, imported.layers))}>", imported.name)
+        network._imported = imported if imported.rounding else None
         return network.load_bytes(onnx.write.weights(imported), os.fspath(path) if not isinstance(path, bytes) else "ONNX")
 
     @classmethod
@@ -57,14 +61,17 @@ class Network:
 
     def _bind(self, text: str, name: str) -> None:
         self.type, self.name = text, name
-        self._code, self._parts, self._model = None, set(), None
+        self._code: Any = None
+        self._parts: Set[str] = set()
+        self._model: Optional[_core.Model] = None
+        self._imported: Any = None  # of a quantised model of ONNX
 
     def __repr__(self) -> str:
         return self.type
 
     # What is compiled.
 
-    def compile(self, *parts: str):
+    def compile(self, *parts: str) -> _core.Code:
         """Compiles parts now, side by side: "described", "deployed", "trainable", "eight_bit", "stream". By default the first three."""
         missing = [part for part in parts or build.PARTS[:3] if part not in self._parts]
         core = build.core()
@@ -92,13 +99,13 @@ class Network:
     def trained(self) -> bool:
         return self._model is not None
 
-    def _trained(self):
+    def _trained(self) -> _core.Model:
         if self._model is None:
             raise ValueError("expected a trained network, found one without weights: call fit or load first")
         return self._model
 
     @property
-    def classes(self) -> list:
+    def classes(self) -> List[str]:
         """Names of the first outputs."""
         return self._trained().classes
 
@@ -182,12 +189,16 @@ class Network:
     # To use it.
 
     def deploy(self, bits: int = 32, images=None) -> "Deployed":
-        """The network in its fastest form; in 8 bits its ranges are found from training images (n, rows, columns), best of uint8."""
+        """The network in its fastest form; in 8 bits its ranges are found from training images (n, rows, columns), best of uint8. Those of a quantised
+        model of ONNX are in the model: without images they are used."""
         model = self._trained()
         if bits == 8:
-            if images is None:
+            if images is None and self._imported is None:
                 raise ValueError("expected training images, which set the ranges of 8 bits, found none")
-            self.compile("eight_bit")
+            code = self.compile("eight_bit")
+            if images is None:
+                from .onnx.operators.quantised import eight_bit_steps
+                return Deployed(build.core().deploy_steps(code, eight_bit_steps(self._imported), model.classes), self.name)
             return Deployed(model.deploy_in_8_bits(numpy.asarray(images)), self.name)
         if bits != 32:
             raise ValueError(f"expected 32 or 8 bits, found {bits}")
@@ -199,7 +210,7 @@ class Network:
         with open(path, "rb") as file:
             return Deployed(build.core().load_8_bits(self.compile("eight_bit"), file.read(), os.fspath(path)), self.name)
 
-    def stream(self, bits: int = 32, sequences=None) -> "Stream":
+    def stream(self, bits: int = 32, sequences=None) -> _core.Stream:
         """A network of sequences, frame by frame. In 8 bits its ranges are found from training sequences (n, features, frames)."""
         model = self._trained()
         self.compile("stream")
@@ -220,14 +231,9 @@ class Deployed:
     without a copy if they are contiguous. NaN, infinity and numbers beyond single precision are a ValueError.
     """
 
-    def __init__(self, own, name: str):
+    def __init__(self, own: _core.Deployed, name: str):
         self._own, self.name = own, name
-        #: scores(frames, threads=1): the outputs as float32, (outputs,) for one frame or (n, outputs): logits, or probabilities after a softmax.
-        self.scores = own.scores
-        #: predict_proba(frames, threads=1): the probability of each class as float64.
-        self.predict_proba = own.predict_proba
-        #: classify(frame): (class, probability), or None for a broken frame.
-        self.classify = own.classify
+        self.scores, self.predict_proba, self.classify = own.scores, own.predict_proba, own.classify
         self.classes, self.temperature, self.bits = own.classes, own.temperature, own.bits
         self.weight_bytes, self.workspace_bytes = own.weight_bytes, own.workspace_bytes
 

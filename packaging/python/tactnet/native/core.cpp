@@ -1,8 +1,11 @@
 // The Python module tactnet._core: what does not depend on a network's type, and the network's shared
 // libraries behind one interface. The rest of the package is in Python.
 
+#include "module/decisions.hpp"
 #include "module/deployed.hpp"
 #include "module/model.hpp"
+#include "module/recordings.hpp"
+#include "module/sensing.hpp"
 #include "module/stream.hpp"
 #include "module/training.hpp"
 
@@ -20,4 +23,7 @@ PYBIND11_MODULE(_core, m) {
     bind_stream(m);
     bind_model(m);
     bind_training(m);
+    bind_recordings(m);
+    bind_sensing(m);
+    bind_decisions(m);
 }

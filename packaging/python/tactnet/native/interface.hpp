@@ -2,7 +2,8 @@
 
 // What the Python module knows of a network: all that depends on its type, as functions. The module is
 // compiled once; for each network, the machine's compiler makes a shared library for what is asked of it:
-// described.hpp, deployed.hpp, trainable.hpp, eight_bit.hpp and stream.hpp.
+// described.hpp, deployed.hpp, trainable.hpp, eight_bit.hpp and stream.hpp. So it is with an array of
+// tactels: sensor.hpp and scene.hpp.
 
 #include <tactnet/deployment/export/header_description.hpp>
 #include <tactnet/deployment/frame_ref.hpp>
@@ -78,7 +79,11 @@ public:
     std::size_t features = 0, outputs = 0;
 };
 
-/// What has been compiled for a network's type; each shared library has some of it.
+struct sensor_settings;
+class any_sensor;
+class any_scene;
+
+/// What has been compiled for a network's type, or for an array; each shared library has some of it.
 struct network_code {
     std::string_view instruction_set = tactnet::instruction_set;
     network_facts (*facts)() = nullptr;
@@ -92,6 +97,9 @@ struct network_code {
     std::unique_ptr<any_stream> (*stream)(const trained_numbers&) = nullptr;
     std::unique_ptr<any_stream> (*stream_in_8_bits)(const trained_numbers&,
                                                     std::span<const float> sequences) = nullptr;
+    std::unique_ptr<any_sensor> (*sensor)(const sensor_settings&) = nullptr;
+    /// With metres from tactel to tactel, and the sensor's number.
+    std::unique_ptr<any_scene> (*scene)(double pitch, std::uint64_t unit) = nullptr;
 };
 
 } // namespace tactnet_python

@@ -32,11 +32,12 @@ class Network:
         self.opset = graph.opset
         self.operators = collections.Counter(node.op for node in graph.nodes)
         layers, self.input, self.output, walked = walk(graph)
+        self.rounding = walked.rounding
         end = self.output
         folded = Folded(layers, self.input, fold, scale, mean)
         self.layers, self.notes, self.epsilon, self.scale = folded.layers, list(dict.fromkeys(folded.notes)), folded.epsilon, folded.scale
         if self.operators["QuantizeLinear"]:
-            self.notes.append(f"nothing: {self.operators['QuantizeLinear']} maps are not rounded to 8 bits; deploy<eight_bit> does that")
+            self.notes.append(f"nothing: {self.operators['QuantizeLinear']} maps are rounded in 8 bits alone")
         if walked.repeated > 0:
             self.notes.append(f"nothing: {walked.repeated} nodes are computed once more, since branches share them")
         if not self.layers:

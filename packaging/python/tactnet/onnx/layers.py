@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, field
-from typing import Callable
+from typing import Callable, Optional
 
 import numpy
 
@@ -60,9 +60,11 @@ class Layer:
     multiply_adds: int = 0
     numbered: bool = True
     branches: list = field(default_factory=list)  # (beginning of names, layers)
-    write: Callable = None  # the text, where it depends on arrays or branches
-    epsilon: float = None  # of a norm
-    filter_axis: int = None  # of weights with a bias, which an affine layer after them becomes part of
+    write: Optional[Callable] = None  # the text, where it depends on arrays or branches
+    epsilon: Optional[float] = None  # of a norm
+    filter_axis: Optional[int] = None  # of weights with a bias, which an affine layer after them becomes part of
+    rounding: Optional[tuple] = None  # scale and zero point of its output in a quantised model
+    weight_scales: Optional[numpy.ndarray] = None  # of each filter
 
     def __call__(self, x):
         return self.run(x, self.arrays)

@@ -16,6 +16,7 @@ class Walk:
     def __init__(self, graph):
         self.graph, self.reached = graph, 0
         self.logits = self.classes = None  # the tensor before a softmax, and its map; names of classes
+        self.rounding = None  # of the input of a quantised model
         self.pads = {}  # of tensors that Pad makes, for the windows that read them
 
     def constant(self, node, index, default=None):
@@ -37,7 +38,10 @@ class Walk:
                      "branches of one tensor that join in Add, Concat or Mul")
         self.reached += 1
         try:
-            return self._path(name, node, start, at)
+            layers, here = self._path(name, node, start, at)
+            if node.op == "DequantizeLinear":
+                (layers[-1] if layers else self).rounding = operators.quantised.rounding(self, node)
+            return layers, here
         except (CannotImport, RecursionError):
             raise
         except Exception as error:  # a damaged file may state anything

@@ -14,6 +14,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 // Frames of NumPy, which are read where they are.
@@ -25,20 +26,15 @@ using tactnet::detail::throw_invalid_argument;
 
 using floats = py::array_t<float, py::array::c_style>;
 using bytes_of_counts = py::array_t<std::uint8_t, py::array::c_style>;
+using converted_floats = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using indices = py::array_t<std::size_t, py::array::c_style | py::array::forcecast>;
-
-struct frames_argument {
-    py::array kept;
-    frames_view view;
-    bool single;
-};
 
 inline std::string shape_of(const py::array& x) {
     return py::str(x.attr("shape"));
 }
 
-/// A frame or a batch of frames: bytes and floats as they lie in memory, everything else as floats.
-inline frames_argument frames_of(py::array x, const tactnet::shape& input) {
+/// Whether an array holds one frame and not several. Throws for frames of another size.
+inline bool is_single(const py::array& x, const tactnet::shape& input) {
     const auto dimensions = static_cast<std::size_t>(x.ndim());
     const auto matches = [&](std::initializer_list<std::size_t> frame) {
         const bool fits = dimensions == frame.size() || dimensions == frame.size() + 1;
@@ -53,17 +49,47 @@ inline frames_argument frames_of(py::array x, const tactnet::shape& input) {
         throw_invalid_argument({"expected frames of ", input.rows, " x ", input.columns,
                                 input.channels > 1 ? ", channels before rows," : "",
                                 " or one after the other, found an array of shape ", shape_of(x)});
-    const std::size_t of_frame = planar ? 2 : flat ? 1 : 3;
-    const bool are_counts = py::isinstance<bytes_of_counts>(x);
-    if (!are_counts && !py::isinstance<floats>(x))
-        x = x.dtype().kind() == 'u' && x.itemsize() == 1
-                ? py::array(bytes_of_counts::ensure(x))
-                : py::array(py::array_t<float, py::array::c_style | py::array::forcecast>::ensure(x));
+    return dimensions == (planar ? 2U : flat ? 1U : 3U);
+}
+
+/// Elements of these types as they lie in memory, of all other types as floats.
+template <class... Kept>
+py::array as_stored(py::array x) {
+    if (!(py::isinstance<py::array_t<Kept, py::array::c_style>>(x) || ...)) {
+        const bool kept = ((x.dtype().kind() == 'u' && x.itemsize() == sizeof(Kept)) || ...);
+        x = kept ? py::array::ensure(x, py::array::c_style) : py::array(converted_floats::ensure(x));
+    }
     if (!x)
-        throw py::error_already_set();
-    return {x,
-            {x.data(), py::isinstance<bytes_of_counts>(x), static_cast<std::size_t>(x.size()) / input.size()},
-            dimensions == of_frame};
+        throw_invalid_argument({"expected frames of real numbers"});
+    return x;
+}
+
+struct frames_argument {
+    py::array kept;
+    frames_view view;
+    bool single;
+};
+
+/// A frame or a batch of frames.
+inline frames_argument frames_of(const py::array& x, const tactnet::shape& input) {
+    const bool single = is_single(x, input);
+    const py::array kept = as_stored<std::uint8_t, float>(x);
+    return {kept,
+            {kept.data(), kept.itemsize() == 1, static_cast<std::size_t>(kept.size()) / input.size()},
+            single};
+}
+
+template <class Element>
+std::span<const Element> elements_of(const py::array& x) {
+    return {static_cast<const Element*>(x.data()), static_cast<std::size_t>(x.size())};
+}
+
+/// A new array for a frame, or for each of `count`.
+template <class Element>
+py::array_t<Element> array_for(bool single, std::size_t count, std::vector<std::size_t> extents) {
+    if (!single)
+        extents.insert(extents.begin(), count);
+    return py::array_t<Element>(std::move(extents));
 }
 
 inline std::vector<std::byte> to_vector(const py::bytes& data) {

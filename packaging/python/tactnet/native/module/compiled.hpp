@@ -42,7 +42,9 @@ public:
         merge(&network_code::facts), merge(&network_code::trainable), merge(&network_code::deploy);
         merge(&network_code::layout), merge(&network_code::calibrate), merge(&network_code::deploy_folded);
         merge(&network_code::stream), merge(&network_code::stream_in_8_bits);
-        facts_ = code_.facts();
+        merge(&network_code::sensor), merge(&network_code::scene);
+        if (code_.facts != nullptr)
+            facts_ = code_.facts();
     }
     const network_facts& facts() const { return facts_; }
     /// A function of the network's type, which the package has compiled before it calls.
@@ -59,7 +61,7 @@ public:
 
 private:
     network_code code_;
-    network_facts facts_;
+    network_facts facts_{};
 };
 using shared_code = std::shared_ptr<const compiled>;
 

@@ -28,9 +28,7 @@ public:
 
     py::array_t<float> scores(const py::array& x, std::size_t threads) const {
         const frames_argument frames = frames_of(x, code->facts().input);
-        py::array_t<float> result = frames.single
-                                        ? py::array_t<float>(static_cast<py::ssize_t>(code->outputs()))
-                                        : py::array_t<float>({frames.view.count, code->outputs()});
+        auto result = array_for<float>(frames.single, frames.view.count, {code->outputs()});
         const std::span to(result.mutable_data(), static_cast<std::size_t>(result.size()));
         infer(frames.view, to, threads);
         return result;
@@ -39,8 +37,7 @@ public:
     py::array_t<double> probabilities(const py::array& x, std::size_t threads) const {
         const frames_argument frames = frames_of(x, code->facts().input);
         const std::size_t named = classes.size();
-        py::array_t<double> result = frames.single ? py::array_t<double>(static_cast<py::ssize_t>(named))
-                                                   : py::array_t<double>({frames.view.count, named});
+        auto result = array_for<double>(frames.single, frames.view.count, {named});
         double* to = result.mutable_data();
         const py::gil_scoped_release released;
         std::vector<float> outputs(frames.view.count * code->outputs());
@@ -128,9 +125,14 @@ private:
 
 inline void bind_deployed(py::module_& m) {
     py::class_<deployed>(m, "Deployed")
-        .def("scores", &deployed::scores, py::arg("frames"), py::arg("threads") = 1)
-        .def("predict_proba", &deployed::probabilities, py::arg("frames"), py::arg("threads") = 1)
-        .def("classify", &deployed::classify, py::arg("frame"))
+        .def(
+            "scores", &deployed::scores, py::arg("frames"), py::arg("threads") = 1,
+            "The outputs as float32, (outputs,) of a frame or (n, outputs): logits, or probabilities after a "
+            "softmax.")
+        .def("predict_proba", &deployed::probabilities, py::arg("frames"), py::arg("threads") = 1,
+             "The probability of each class as float64, (classes,) of a frame or (n, classes).")
+        .def("classify", &deployed::classify, py::arg("frame"),
+             "(class, probability), or None for a broken frame.")
         .def("header", &deployed::header)
         .def("file", &deployed::file)
         .def_readonly("classes", &deployed::classes)

@@ -116,6 +116,38 @@ private:
     }
 };
 
+/// A network in 8 bits of the numbers of its steps, each by their names: weights that are whole multiples of
+/// their scales, and ranges.
+inline deployed deploy_steps(shared_code code, const std::vector<py::dict>& steps,
+                             std::vector<std::string> classes) {
+    const tactnet::folded_layout layout = code->call(&network_code::layout)();
+    std::vector<float> folded(layout.numbers);
+    folded[code->pixels()] = 128, folded[code->pixels() + 1] = 255; // steps per count of the frame's words
+    if (steps.size() != layout.steps.size())
+        throw_invalid_argument(
+            {"deploy: expected numbers of ", layout.steps.size(), " steps, found ", steps.size()});
+    for (std::size_t i = 0; i < steps.size(); ++i)
+        for (const auto& array : layout.steps[i].arrays) {
+            const std::string name = array.name.substr(array.name.rfind('.') + 1);
+            const auto numbers = steps[i].contains(name) ? converted_floats::ensure(steps[i][name.c_str()])
+                                                         : converted_floats();
+            if (static_cast<std::size_t>(numbers.size()) != array.size)
+                throw_invalid_argument({"deploy: expected ", array.size, " numbers of ", array.name,
+                                        ", found ", static_cast<std::size_t>(numbers.size())});
+            std::copy_n(numbers.data(), array.size,
+                        folded.begin() + static_cast<std::ptrdiff_t>(array.offset));
+        }
+    if (const auto problem = tactnet::detail::find_problem(layout, folded))
+        throw_invalid_argument(
+            {"deploy: ", problem->array, ": expected ", problem->expected, ", found ", problem->found});
+    return {code,
+            code->call(&network_code::deploy_folded)(folded),
+            std::move(classes),
+            1,
+            8,
+            tactnet::reflection_rule::all()};
+}
+
 inline deployed load_8_bits(shared_code code, const py::bytes& data, const std::string& name) {
     const tactnet::safetensors file = tactnet::safetensors::parse(to_vector(data), name);
     tactnet::stored_deployed stored = tactnet::read_deployed(file, code->call(&network_code::layout)());
@@ -152,6 +184,7 @@ inline void bind_model(py::module_& m) {
         .def_readwrite("classes", &model::classes)
         .def_readwrite("temperature", &model::temperature);
     m.def("load_8_bits", &load_8_bits);
+    m.def("deploy_steps", &deploy_steps);
 }
 
 } // namespace tactnet_python

@@ -17,16 +17,15 @@ public:
     std::unique_ptr<any_stream> own;
     std::vector<std::string> classes;
 
-    py::array_t<float> step(const py::array_t<float, py::array::c_style | py::array::forcecast>& frames) {
+    py::array_t<float> step(const converted_floats& frames) {
         const auto features = static_cast<py::ssize_t>(own->features);
         const bool single = frames.ndim() == 1;
         if (frames.ndim() < 1 || frames.ndim() > 2 || frames.shape(frames.ndim() - 1) != features)
             throw_invalid_argument({"expected frames of ", own->features,
                                     " features, found an array of shape ", shape_of(frames)});
         const std::size_t count = single ? 1 : static_cast<std::size_t>(frames.shape(0));
-        py::array_t<float> result = single ? py::array_t<float>(static_cast<py::ssize_t>(own->outputs))
-                                           : py::array_t<float>({count, own->outputs});
-        const std::span from(frames.data(), static_cast<std::size_t>(frames.size()));
+        auto result = array_for<float>(single, count, {own->outputs});
+        const std::span from = elements_of<float>(frames);
         const std::span to(result.mutable_data(), static_cast<std::size_t>(result.size()));
         const py::gil_scoped_release released;
         if (const std::size_t taken = own->run(from, to); taken != count)

@@ -3,8 +3,11 @@ layers of it (`imports`; `joins` for one that several branches end in). `install
 
 import importlib
 import pkgutil
+from typing import Callable, Dict
 
-EVALUATIONS, IMPORTS, JOINS = {}, {}, {}
+EVALUATIONS: Dict[str, Callable] = {}
+IMPORTS: Dict[str, Callable] = {}
+JOINS: Dict[str, Callable] = {}
 
 
 def registers(table):

@@ -5,6 +5,7 @@ import numpy
 from .. import arithmetic
 from ..layers import Layer, Map, call, extent
 from . import evaluates, imports
+from .quantised import with_scales
 
 
 def same_pads(size, kernel, stride):
@@ -145,7 +146,7 @@ def import_conv(walk, node, here, _):
         pads = [p + b for p, b in zip(pads, before)]
     layer = convolution(here, weight, bias, strides, pads, dilations, node.get("group", 1))
     rows, columns, filters = layer.output
-    return [layer], Map.plain(layer.output, (1, filters, rows, columns)[:here.places.ndim])
+    return [with_scales(walk, node, layer)], Map.plain(layer.output, (1, filters, rows, columns)[:here.places.ndim])
 
 
 @imports("ConvTranspose")

@@ -7,6 +7,7 @@ from ..layers import Layer, Map
 from . import evaluates, imports
 from .convolution import convolution
 from .elementwise import affine
+from .quantised import with_scales
 
 
 @evaluates("Gemm")
@@ -50,7 +51,7 @@ def product(walk, node, here, weight, bias):
     if len(places) == 1 and inputs == here.size and len(numpy.unique(places)) == inputs:
         own = numpy.zeros((outputs, inputs))
         own[:, places[0]] = weight.T
-        return [dense(here, own, bias)], Map.plain((1, 1, outputs), here.places.shape[:-1] + (outputs,))
+        return [with_scales(walk, node, dense(here, own, bias))], Map.plain((1, 1, outputs), here.places.shape[:-1] + (outputs,))
     # The channels of each pixel, as in a linear layer after a transpose to channels last.
     pixels = places[:, 0]
     node.require(inputs == channels and len(pixels) == here.area and numpy.array_equal(
