@@ -180,11 +180,6 @@ struct recipe {
     void check() const {
         if (validate_every == 0)
             throw std::invalid_argument("trainer: expected a validation every 1 or more epochs, found 0");
-        if (!(label_smoothing >= 0 && label_smoothing < 1))
-            detail::throw_invalid_argument(
-                {"trainer: expected a label smoothing of 0 or more and below 1, with "
-                 "which nothing could be learnt, found ",
-                 std::to_string(label_smoothing)});
         if (!function.valid())
             detail::throw_invalid_argument(
                 {"trainer: expected an input function with a knee from 0.001 to 1000000, found ",
@@ -221,7 +216,8 @@ struct recipe {
                  {"optimiser.epsilon", adam ? adam->epsilon : 1},
                  {"drop period", drop ? drop->period : 1}});
         require([](double x) { return x >= 0 && x < 1; }, "of 0 or more and below 1",
-                {{"averaging", averaging},
+                {{"label_smoothing", label_smoothing},
+                 {"averaging", averaging},
                  {"momentum", descent ? descent->momentum : 0},
                  {"beta1", adam ? adam->beta1 : 0},
                  {"beta2", adam ? adam->beta2 : 0},
