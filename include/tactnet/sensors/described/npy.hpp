@@ -52,7 +52,8 @@ private:
             shape.remove_prefix(1);
             const std::size_t end = std::min(shape.find(','), shape.size());
             if (const std::string_view extent = trimmed(shape.substr(0, end)); !extent.empty())
-                extents.push_back(whole_number(extent).value_or(no_extent));
+                extents.push_back(static_cast<std::size_t>(
+                    std::min<std::uint64_t>(whole_number(extent).value_or(no_extent), no_extent)));
             shape.remove_prefix(end);
         }
         const std::string_view fortran = value_of(said, "'fortran_order':");

@@ -78,7 +78,7 @@ inline constexpr std::size_t no_class = std::numeric_limits<std::size_t>::max();
             random.shuffle(members);
         } else {
             const auto start = random.below(static_cast<std::uint32_t>(members.size()));
-            std::rotate(members.begin(), members.begin() + start, members.end());
+            std::rotate(members.begin(), members.begin() + static_cast<std::ptrdiff_t>(start), members.end());
         }
         const auto part = [&](double share) {
             const auto n = static_cast<std::size_t>(std::lround(share * static_cast<double>(members.size())));
