@@ -42,7 +42,7 @@ public:
             skip_space();
             const std::size_t at = position_;
             const std::string key = string();
-            if (!keys.try_emplace(key).second)
+            if (!keys.insert({key, std::string()}).second)
                 fail_at(at, "each key once", {detail::quoted{key}, " again"});
             expect(':');
             member(key);
