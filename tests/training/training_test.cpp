@@ -207,6 +207,15 @@ TEST_CASE("recipe::default_for: small images are learnt from longer, four times 
     CHECK(recipe::default_for(28, 50).ranges.pressure == 0.3);
 }
 
+TEST_CASE("recipe::suited_to: few images are learnt from for more epochs, 16 times as many at most") {
+    const recipe usual = recipe::default_for(28, 50);
+    for (const auto& [images, epochs] :
+         {std::pair{0u, 1760u}, {22u, 1760u}, {44u, 880u}, {351u, 110u}, {704u, 110u}, {100000u, 110u}})
+        CHECK(usual.suited_to(images).epochs == epochs);
+    CHECK(usual.thorough().suited_to(176).epochs == 660);
+    CHECK(usual.suited_to(15).ranges == usual.ranges);
+}
+
 TEST_CASE("recipe::on_features: no new samples are made, and the rate falls to nothing over few epochs") {
     const recipe r = recipe::on_features();
     CHECK(r.augmentation == augmentation_rule::none);

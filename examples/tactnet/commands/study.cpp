@@ -65,8 +65,11 @@ candidate_list candidates_of(const study_options& o) {
                 (recipe == "thorough" && !m->begins_at_random()))
                 continue;
             settings.recipe = recipe;
-            if (m->begins_at_random() && recipe != "published")
-                settings.augmentation = "each-epoch"; // one recipe for all, as in the committed trainings
+            settings.epochs.reset();
+            if (m->begins_at_random() && recipe != "published") { // one recipe for all, as in committed ones
+                settings.augmentation = "each-epoch";
+                settings.epochs = recipe_for(*m, settings).epochs;
+            }
             if (tried.insert(std::string(recipe_for(*m, settings).name)).second)
                 list.push_back({m.get(), settings});
         }

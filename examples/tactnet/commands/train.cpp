@@ -93,6 +93,7 @@ public:
             tell("stopped before the training\n");
             return interrupted_by_user;
         }
+        recipe.epochs = choice.chosen.epochs;
         for (const std::string& reason : choice.reasons)
             tell("augmentation: {}\n", printable(reason));
         training = what.train(choice.chosen, data.view(), std::move(split), o.seed, threads, begins_with);
@@ -284,7 +285,7 @@ private:
 
     const train_options& o;
     const method& what;
-    const tactnet::recipe recipe;
+    tactnet::recipe recipe; ///< of the name and number of epochs; images choose the rest
     const std::filesystem::path weights, checkpoint;
     const std::string reports; ///< how their names begin
     claims files;

@@ -219,7 +219,7 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
         all["start"] = file_fingerprint(s.start);
     if (!s.pretrained.empty())
         all["pretrained"] = pretrained_fingerprint(s.pretrained);
-    const tactnet::recipe recipe = recipe_for(what, s);
+    const tactnet::recipe recipe = recipe_for(what, s, split_for(data, s, rule, seed).training.size());
     if (recipe.augment_full_resolution && recipe.augmentation != tactnet::augmentation_rule::none &&
         what.augment_full_resolution(data.taken.size))
         all["varied"] =

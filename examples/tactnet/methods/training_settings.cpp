@@ -300,7 +300,7 @@ std::vector<std::size_t> partners_of(std::span<const std::string> pairs,
 tactnet::augmentation_choice choose_recipe(const method& what, const training_settings& s,
                                            const image_data& data, std::span<const std::size_t> training,
                                            std::uint64_t seed, tactnet::thread_pool& threads) {
-    tactnet::augmentation_choice choice{recipe_for(what, s), {}, {}};
+    tactnet::augmentation_choice choice{recipe_for(what, s, training.size()), {}, {}};
     if (s.chooses(what))
         choice = what.choose(choice.chosen, data, training, seed, threads, s.tries(what));
     apply_kinds(choice.chosen, s);
@@ -311,7 +311,7 @@ tactnet::augmentation_choice choose_recipe(const method& what, const training_se
     return choice;
 }
 
-tactnet::recipe recipe_for(const method& what, const training_settings& s) {
+tactnet::recipe recipe_for(const method& what, const training_settings& s, std::size_t training_images) {
     check_settings(what, s);
     tactnet::recipe r = s.recipe == "published"
                             ? tactnet::recipe::published(what.rows, what.columns, *what.published)
@@ -319,6 +319,8 @@ tactnet::recipe recipe_for(const method& what, const training_settings& s) {
                                                  : what.default_recipe();
     if (s.epochs)
         r.epochs = *s.epochs;
+    else if (training_images > 0 && s.recipe != "published" && what.begins_at_random())
+        r = r.suited_to(training_images);
     if (s.batch)
         r.batch = *s.batch;
     if (s.rate)

@@ -86,8 +86,10 @@ tactnet::data_split split_for(const image_data& data, const training_settings& s
 /// What --recipe takes.
 inline const std::vector<std::string> recipe_names{"default", "thorough", "published"};
 
-/// The recipe for a method, with the user's changes. Throws usage_error.
-tactnet::recipe recipe_for(const method& what, const training_settings& settings);
+/// The recipe for a method, with the user's changes. Epochs that are not set suit that many training
+/// images, if the number is known and the recipe is not the published one. Throws usage_error.
+tactnet::recipe recipe_for(const method& what, const training_settings& settings,
+                           std::size_t training_images = 0);
 
 /// The recipe for a training on these images of a folder, with what they choose, and why. Throws usage_error.
 tactnet::augmentation_choice choose_recipe(const method& what, const training_settings& settings,
