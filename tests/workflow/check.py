@@ -81,7 +81,7 @@ named = set()
 for name, job in workflow["jobs"].items():
     if "permissions" in job:
         problems.append(f"job {name}: expected no permissions of its own, found {job['permissions']}")
-    container = {"debian-13": "debian:13", "untried": None}.get(name, "debian:12")
+    container = {"debian": "debian:${{ matrix.suite }}", "untried": None}.get(name, "debian:12")
     if job.get("container") != container:
         problems.append(f"job {name}: expected the container {container}, found {job.get('container')}")
     if container is None and not job.get("continue-on-error"):

@@ -8,6 +8,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 // Folds of a cross-validation: for each sample the fold that holds it out, from 0. All are scikit-learn's.
@@ -76,9 +77,10 @@ inline void require_folds(std::size_t folds, std::size_t most, const char* of) {
     detail::require_folds(folds, size.size(), "groups");
     for (const std::size_t group : fold_of)
         ++size[group];
-    std::iota(order.rbegin(), order.rend(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    // Not std::stable_sort: newer compilers warn in that of GCC 12.
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return std::pair(size[a], a) > std::pair(size[b], b); });
     std::vector<std::size_t> weight(folds);
     for (const std::size_t group : order) {
         const auto lightest = std::min_element(weight.begin(), weight.end());

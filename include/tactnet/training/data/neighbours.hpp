@@ -12,6 +12,7 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
@@ -149,8 +150,9 @@ inline std::vector<float> blurred(std::span<const std::uint8_t> pixels, shape si
         }
         p.distance = std::sqrt(sum / static_cast<double>(size.size()));
     }
-    std::stable_sort(report.related.begin(), report.related.end(),
-                     [](const auto& a, const auto& b) { return a.distance < b.distance; });
+    std::sort(report.related.begin(), report.related.end(), [](const auto& a, const auto& b) {
+        return std::pair(a.distance, a.image) < std::pair(b.distance, b.image);
+    });
     return report;
 }
 

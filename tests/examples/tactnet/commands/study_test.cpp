@@ -46,7 +46,7 @@ TEST_SUITE("program") {
         const std::string page = shop.text("s/study.md");
         for (const std::string_view part : {"<!-- study front -->\n| method |", "<!-- study front ends -->\n",
                                             "| tactnet4 | 7 × 13 | default |", "| svm-linear | 7 × 13 |",
-                                            "| `tactnet::tactnet4<tactnet::shape{7, 13}, 22>` |"})
+                                            "| `tactnet::tactnet4<tactnet::shape{7, 13}, 3>` |"})
             says(page, part);
         if (fs::exists(shop / "s/accuracy_and_time.png"))
             says(page, "](accuracy_and_time.png)");
@@ -178,7 +178,7 @@ TEST_SUITE("program") {
         const outcome any = shop.succeeds(recommend("--microseconds 1000000"));
         CHECK(any.out.starts_with("tactnet4 7x13, default recipe: "));
         says(any.out, " over 2 random splits, ");
-        CHECK(any.out.ends_with("tactnet::tactnet4<tactnet::shape{7, 13}, 22>\n"));
+        CHECK(any.out.ends_with("tactnet::tactnet4<tactnet::shape{7, 13}, 3>\n"));
         shop.succeeds(recommend("--rows 7 --columns 13 --split blocked"));
         shop.refuses(recommend("--bytes 100"),
                      "expected a budget that a network of s/study.jsonl keeps, found "
