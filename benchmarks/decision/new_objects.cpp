@@ -211,7 +211,7 @@ model<net> trained(const labelled_images& data, const data_split& split, std::si
     trainer<net> training(thorough ? settings.thorough() : settings, data, split, draw, threads);
     while (!training.finished())
         (void)training.run_epoch();
-    model<net> result{training.best(), training.input_normalisation(), {}};
+    model<net> result = training.trained({});
     for (std::size_t c = 0; c < known_objects; ++c)
         result.classes.push_back("object " + std::to_string(c));
     if (!networks.empty())

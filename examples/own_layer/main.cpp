@@ -56,9 +56,7 @@ void run(const char* weights, const char* header) {
     tactnet::trainer<own::network> trainer(how, images, split, 1, threads);
     while (!trainer.finished())
         trainer.run_epoch();
-    tactnet::save_model(weights, tactnet::model<own::network>{trainer.best(),
-                                                              trainer.input_normalisation(),
-                                                              {"lies", "stands", "cross"}});
+    tactnet::save_model(weights, trainer.trained({"lies", "stands", "cross"}));
 
     const auto model = tactnet::load_model<own::network>(weights);
     const auto network = tactnet::deploy(model);

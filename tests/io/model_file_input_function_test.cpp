@@ -106,6 +106,9 @@ TEST_CASE("input_function: the formula in double, rounded to 2^-10, the same bit
     std::vector<float> same{1, 2, 3};
     input_function{}.apply(same);
     CHECK(same == std::vector<float>{1, 2, 3});
+    const std::array<std::uint8_t, 3> bytes{1, 100, 255};
+    input_function{}.apply(bytes.data(), same);
+    CHECK(same == std::vector<float>{1, 100, 255});
 }
 
 TEST_CASE("input_function: deployed, in 8 bits, in files and in headers as in the model") {
@@ -181,9 +184,11 @@ TEST_CASE("model_description: no function, partner or axis that there is not") {
     struct wrong {
         const char *key, *value;
     };
-    for (const wrong& w : {wrong{"input_function", "cube"}, wrong{"input_knee", "1e9"},
-                           wrong{"reflected_axes", "up"}, wrong{"column_partners", R"(["left","right"])"},
-                           wrong{"column_partners", R"(["a","left","right"])"}}) {
+    for (const wrong& w :
+         {wrong{"input_function", "cube"}, wrong{"input_knee", "1e9"}, wrong{"reflected_axes", "up"},
+          wrong{"column_partners", R"(["left","right"])"},
+          wrong{"column_partners", R"(["a","left","right"])"},
+          wrong{"column_partners", R"(["middle","right","left"])"}, wrong{"column_partners", "[]"}}) {
         CAPTURE(w.key);
         save_model(folder / "net", some_model(functions[1]));
         const safetensors good = safetensors::read(folder / "net");
@@ -194,4 +199,12 @@ TEST_CASE("model_description: no function, partner or axis that there is not") {
         writer.write(folder / "net");
         CHECK_THROWS_AS(static_cast<void>(describe_model(safetensors::read(folder / "net"))), file_error);
     }
+}
+
+TEST_CASE("deploy: partners are each other's, and among the outputs") {
+    auto network = deploy(some_model({}));
+    for (const std::vector<std::size_t>& partners :
+         {std::vector<std::size_t>{1, 2, 0}, {0, 1, 3}, {0, 1, 2, 3}})
+        CHECK_THROWS_AS(network.set_reflections({{true, partners}, {}}), std::invalid_argument);
+    network.set_reflections({{true, {1, 0}}, {}});
 }

@@ -1,3 +1,5 @@
+#include <tactnet/io/model_file.hpp>
+#include <tactnet/io/save_model.hpp>
 #include <tactnet/networks/network.hpp>
 #include <tactnet/operators.hpp>
 #include <tactnet/training.hpp>
@@ -7,7 +9,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
+#include <support/files/temporary_folder.hpp>
 #include <vector>
 
 using namespace tactnet;
@@ -89,6 +93,9 @@ TEST_CASE("epoch_samples: a reflected image has the label of its partner, and av
     CHECK(correct(training.reflections()) == 1);
     CHECK(correct({{}, {true, {}}}) < 0.8);
     CHECK(training.reflections() == reflection_rule{{}, {true, exchanged}});
+    const support::temporary_folder folder;
+    save_model(folder / "net", training.trained({"left", "right", "middle"}));
+    CHECK(load_model<net>(folder / "net").reflections == training.reflections());
 
     // With plain reflections, left and right are one.
     how.reflections = reflection_rule::all();
@@ -123,9 +130,35 @@ TEST_CASE("choose_augmentation: finds partners, judges kinds on held-out groups,
     CHECK(choose().chosen.ranges == found.chosen.ranges);
     CHECK(choose([] { return true; }).trials.empty());
 
+    const auto reasons = [&](std::size_t most, const std::vector<std::size_t>& groups) {
+        return choose_augmentation(fresh, how, task.images(), task.all, groups, 1, threads, names, {}, most)
+            .reasons;
+    };
+    // One group, or one of each class, is no group to compare with.
+    for (const std::vector<std::size_t>& alone :
+         {std::vector<std::size_t>(task.all.size(), 7), task.labels}) {
+        const std::vector<std::string> told = reasons(0, alone);
+        REQUIRE(told.size() == 3);
+        CHECK(told[0] == "each class has one group, so parts of a class take their place");
+        CHECK(std::ranges::equal(std::span(told).last(2), reasons(0, {})));
+    }
+
     how.augmentation = augmentation_rule::none;
     CHECK(choose().trials.empty());
     CHECK(choose().chosen.ranges == how.ranges);
+}
+
+TEST_CASE("scores_of: of each class of each group, or of four parts of it if there are few") {
+    const sides_task task(true);
+    evaluation found{0, confusion_matrix(3), {}, std::vector<float>(3 * task.all.size())};
+    const auto count = [&](std::size_t judged, const std::vector<std::size_t>& groups) {
+        return detail::scores_of(found, task.images(), std::span(task.all).first(judged), groups).size();
+    };
+    CHECK(count(120, task.groups) == 12);
+    CHECK(count(30, task.groups) == 12); // one group, three classes
+    CHECK(count(60, task.groups) == 6);
+    CHECK(count(120, {}) == 12);
+    CHECK(count(13, {}) == 7); // four of ten and three of three
 }
 
 TEST_CASE("choose_augmentation: held-out samples are whole groups, or blocks of each class") {

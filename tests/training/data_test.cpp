@@ -334,6 +334,11 @@ TEST_CASE("part_of_training: a share of each class, or whole groups; validation 
         CHECK(part == whole);
     }
     CHECK(std::ranges::is_permutation(whole.training, before));
+    // It draws anew, not as the split of the same seed did, which shuffled these.
+    const std::vector<std::size_t> one(40);
+    const data_split every = split_data(one, 1, split_rule::random, 5, {.validation = 0, .test = 0});
+    CHECK_FALSE(std::ranges::is_permutation(part_of_training(every, one, {}, 0.5, 5).training,
+                                            std::span(every.training).first(20)));
     // Four people with every class: two of them for a half, and for a little more three.
     std::vector<std::size_t> all(40), people(40), postures(40);
     for (std::size_t i = 0; i < 40; ++i)

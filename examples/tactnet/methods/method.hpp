@@ -204,8 +204,8 @@ public:
     virtual bool keeps_features() const { return false; }
     /// Opens the file of it. Throws tactnet::file_error; for methods that need one alone.
     virtual std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path&) const = 0;
-    /// The recipe with the augmentation that the training images bear (tactnet::choose_augmentation), by mean
-    /// images alone or by `trials` too.
+    /// The recipe with the augmentation that suits the training images (tactnet::choose_augmentation), by
+    /// mean images alone or by `trials` too.
     virtual tactnet::augmentation_choice choose(const tactnet::recipe& recipe, const image_data&,
                                                 std::span<const std::size_t> training, std::uint64_t seed,
                                                 tactnet::thread_pool&, bool trials) const {

@@ -159,8 +159,8 @@ public:
     }
     [[nodiscard]] const input_function& function() const noexcept { return function_; }
 
-    /// Sets which reflections show a class, for `reflection_average`. Throws std::invalid_argument for a
-    /// partner that is none of the outputs.
+    /// Sets which reflections show a class, for `reflection_average`. Throws std::invalid_argument for
+    /// partners that are not pairs of outputs.
     void set_reflections(reflection_rule rule) {
         detail::check_partners("deploy", rule, outputs);
         reflections_ = std::move(rule);

@@ -8,6 +8,7 @@
 #include <tactnet/text/message.hpp>
 #include <tactnet/text/numbers.hpp>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
@@ -112,9 +113,8 @@ inline std::vector<std::size_t> partners_in(const safetensors_index& file, std::
             std::find(classes.begin(), classes.end(), scanner.string()) - classes.begin()));
     });
     scanner.end();
-    for (const std::size_t partner : partners)
-        if (partners.size() != classes.size() || partner >= classes.size())
-            throw_metadata_error(file, key, "the name of a class for each class", text);
+    if (partners.empty() || partners.size() != classes.size() || !are_mutual(partners))
+        throw_metadata_error(file, key, "the name of a class for each class, in pairs", text);
     return partners;
 }
 

@@ -2,7 +2,6 @@
 
 #include <tactnet/networks/recognition.hpp>
 
-#include <algorithm>
 #include <cstddef>
 #include <stdexcept>
 #include <string>
@@ -21,13 +20,21 @@ reflection_rule_view view_of(const reflection_rule&&) = delete;
 
 namespace detail {
 
-/// Throws std::invalid_argument unless all partners are among so many classes.
+/// Whether each class is the partner of its partner.
+[[nodiscard]] inline bool are_mutual(const std::vector<std::size_t>& partners) {
+    for (std::size_t c = 0; c < partners.size(); ++c)
+        if (partners[c] >= partners.size() || partners[partners[c]] != c)
+            return false;
+    return true;
+}
+
+/// Throws std::invalid_argument unless the partners are those of so many classes, or of the first of them.
 [[gnu::cold, gnu::noinline]] inline void check_partners(const char* caller, const reflection_rule& rule,
                                                         std::size_t classes) {
     for (const auto& partners : {rule.rows.partners, rule.columns.partners})
-        if (std::any_of(partners.begin(), partners.end(), [&](std::size_t p) { return p >= classes; }))
-            throw std::invalid_argument(std::string(caller) + ": expected partners among " +
-                                        std::to_string(classes) + " classes, found one beyond them");
+        if (partners.size() > classes || !are_mutual(partners))
+            throw std::invalid_argument(std::string(caller) + ": expected partners in pairs among " +
+                                        std::to_string(classes) + " classes, found others");
 }
 
 } // namespace detail

@@ -27,7 +27,7 @@ struct augmentation_trial {
     double error = 0; ///< standard error of the gain
     bool adopted = false;
 };
-/// A recipe with the augmentation that a task bears.
+/// A recipe with the augmentation that suits a task.
 struct augmentation_choice {
     recipe chosen;
     std::vector<augmentation_trial> trials;
@@ -76,7 +76,7 @@ inline data_split hold_out(const labelled_samples& samples, std::span<const std:
                 ++groups_with[labels[i]];
         for (const auto& [group, classes] : classes_of)
             order.push_back(group);
-        random_stream(seed, random_purposes::split, 0x61).shuffle(order);
+        random_stream(seed, random_purposes::split, stream_of_held_out).shuffle(order);
         const auto most = static_cast<std::size_t>(std::lround(share * static_cast<double>(order.size())));
         for (const std::size_t group : order) {
             const auto& classes = classes_of[group];
@@ -102,19 +102,30 @@ inline data_split hold_out(const labelled_samples& samples, std::span<const std:
     return split;
 }
 
-/// The mean probability of the right class for each class of each group, in order.
+inline constexpr std::size_t fewest_scores = 4; ///< whose standard error says anything
+
+/// The mean probability of the right class for each class of each group, in order: of its parts if there are
+/// few, so that four samples or more have `fewest_scores`.
 inline std::vector<double> scores_of(const evaluation& found, const labelled_samples& samples,
                                      std::span<const std::size_t> judged,
                                      std::span<const std::size_t> groups) {
-    std::map<std::pair<std::size_t, std::size_t>, std::pair<double, double>> sums;
     const std::size_t classes = samples.classes();
+    const auto unit = [&](std::size_t i) {
+        return std::pair(groups.empty() ? 0 : groups[i], samples.label(i));
+    };
+    std::map<std::pair<std::size_t, std::size_t>, std::size_t> sizes, before;
+    for (const std::size_t i : judged)
+        ++sizes[unit(i)];
+    const std::size_t parts = sizes.size() < fewest_scores ? fewest_scores : 1;
+    std::map<std::pair<std::pair<std::size_t, std::size_t>, std::size_t>, std::pair<double, double>> sums;
     for (std::size_t i = 0; i < judged.size(); ++i) {
         const auto logits = std::span(found.logits).subspan(i * classes, classes);
         const std::size_t label = samples.label(judged[i]);
         double sum = 0;
         for (const float logit : logits)
             sum += std::exp(static_cast<double>(logit - logits[label]));
-        auto& [total, count] = sums[{groups.empty() ? 0 : groups[judged[i]], label}];
+        const auto of = unit(judged[i]);
+        auto& [total, count] = sums[{of, before[of]++ * parts / sizes[of]}];
         total += 1 / sum, ++count;
     }
     std::vector<double> scores;
@@ -158,8 +169,9 @@ public:
         steps_ = epochs_ * ceil_div(split_.training.size(), how.batch == 0 ? samples_.size() : how.batch);
         if (most_epochs_ == 0)
             return result_;
-        if (split_.validation.empty() || epochs_ < fewest_epochs) {
-            result_.reasons.emplace_back("too few images or epochs for trials: all else as in the recipe");
+        if (split_.validation.size() < fewest_scores || epochs_ < fewest_epochs) {
+            result_.reasons.emplace_back(
+                "too few images or epochs for short trainings: the rest stays as in the recipe");
             return result_;
         }
         const std::vector<double> before = scores(start);
@@ -222,7 +234,9 @@ private:
         t.adopted = t.gain > least && t.gain > v.standard_errors * t.error;
         if (t.adopted) {
             v.change(result_.chosen);
-            result_.reasons.push_back(joined({v.what, ", which changes held-out images by ", points(t)}));
+            result_.reasons.push_back(
+                joined({v.what, ", which raises the probability of the right class on held-out images by ",
+                        points(t)}));
         }
         result_.trials.push_back(std::move(t));
     }
@@ -231,7 +245,7 @@ private:
             const auto n = std::lround(1000 * share);
             return joined({std::to_string(n / 10), ".", std::to_string(n % 10)});
         };
-        return joined({"+", tenths(t.gain), " ± ", tenths(t.error), " points"});
+        return joined({tenths(t.gain), " ± ", tenths(t.error), " points"});
     }
 
     const trainable& network_;
@@ -249,7 +263,7 @@ private:
 
 } // namespace detail
 
-/// Finds out which kinds of augmentation and which input function a task bears, on training samples alone.
+/// Finds out which kinds of augmentation and which input function suit a task, on training samples alone.
 /// Mean images say which classes are each other's reflection, and whether reflected images show a class at
 /// all (find_reflections). For the rest, short trainings, together half as long as a whole one and at most
 /// `most_epochs` long (0: no trainings, what mean images say alone), learn three
@@ -269,9 +283,15 @@ choose_augmentation(const trainable& network, const recipe& how, const labelled_
                     const std::function<bool()>& stop = {}, std::size_t most_epochs = 220) {
     if (!samples.are_images() || how.augmentation == augmentation_rule::none)
         return {how, {}, {"no augmentation to choose from"}};
-    return detail::augmentation_search(network, how, samples, training, groups, seed, threads, stop,
-                                       most_epochs)
-        .run(find_reflections(network.input_shape(), samples, training, groups), names);
+    const auto compared = detail::groups_to_compare(samples, training, groups);
+    augmentation_choice found =
+        detail::augmentation_search(network, how, samples, training, compared, seed, threads, stop,
+                                    most_epochs)
+            .run(find_reflections(network.input_shape(), samples, training, compared), names);
+    if (compared.empty() && !groups.empty())
+        found.reasons.emplace(found.reasons.begin(),
+                              "each class has one group, so parts of a class take their place");
+    return found;
 }
 
 }} // namespace tactnet

@@ -17,6 +17,19 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
+/// The groups, or none if each class of the chosen samples has one: there is no other to compare it with.
+inline std::span<const std::size_t> groups_to_compare(const labelled_samples& samples,
+                                                      std::span<const std::size_t> chosen,
+                                                      std::span<const std::size_t> groups) {
+    std::map<std::size_t, std::size_t> group_of; // by class
+    if (!groups.empty())
+        for (const std::size_t i : chosen)
+            if (samples.label(i) < samples.classes() &&
+                group_of.try_emplace(samples.label(i), groups[i]).first->second != groups[i])
+                return groups;
+    return {};
+}
+
 /// Mean images of each class in each group, compressed so that neither gain nor a few large counts matter.
 /// Without groups, parts of a class in the order of recording take their place.
 class class_images {
@@ -62,7 +75,8 @@ public:
             for (std::size_t a = 0; a < classes_; ++a) {
                 const auto row = d.begin() + static_cast<std::ptrdiff_t>(a * classes_);
                 const auto nearest = std::min_element(row, row + static_cast<std::ptrdiff_t>(classes_));
-                votes[a * classes_ + static_cast<std::size_t>(nearest - row)] += 2;
+                if (*nearest < missing)
+                    votes[a * classes_ + static_cast<std::size_t>(nearest - row)] += 2;
             }
         bool clear = false;
         std::vector<pair> pairs;
@@ -159,14 +173,15 @@ private:
 /// What reflected images of the chosen samples show, by mean images: along each axis the class itself, unless
 /// they are strangers to it (strangeness above 2); then the partner, as left and right are; or nothing, if
 /// they resemble no class (strangeness above 2.4). With fewer than 8 samples a class all stays reflected.
-/// `groups` are those of all samples (people, objects,
-/// sessions), or none.
+/// `groups` are those of all samples (people, objects, sessions), or none; if each class has one, parts of a
+/// class take their place.
 [[nodiscard]] inline reflection_rule find_reflections(shape image, const labelled_samples& samples,
                                                       std::span<const std::size_t> chosen,
                                                       std::span<const std::size_t> groups = {}) {
     // The paper's images have 1.6 at most, lying people 2.4 or more, and 2.7 upside down with partners.
     constexpr double strange = 2, too_strange = 2.4;
-    const detail::class_images means(image, samples, chosen, groups);
+    const detail::class_images means(image, samples, chosen,
+                                     detail::groups_to_compare(samples, chosen, groups));
     reflection_rule rule = reflection_rule::all();
     constexpr std::size_t fewest = 8; // of a class: means of fewer are single touches
     if (chosen.size() < fewest * samples.classes())

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <tactnet/networks/model.hpp>
 #include <tactnet/training/loop.hpp>
 #include <tactnet/training/loop/trainable.hpp>
 
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
@@ -31,6 +34,12 @@ public:
     [[nodiscard]] const Network& best() const { return network_of(training_loop::best()); }
     [[nodiscard]] const Network& latest() const { return network_of(training_loop::latest()); }
     [[nodiscard]] const normalisation<input>& input_normalisation() const { return normalise_; }
+
+    /// The best network with all that it takes to deploy and save it. `classes` are the names of the first
+    /// outputs, in order.
+    [[nodiscard]] model<Network> trained(std::vector<std::string> classes) const {
+        return {best(), normalise_, std::move(classes), 1, reflections()};
+    }
 
     /// As training_loop::start_from.
     void start_from(const Network& other) {

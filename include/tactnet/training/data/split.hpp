@@ -103,6 +103,9 @@ inline constexpr std::size_t no_class = std::numeric_limits<std::size_t>::max();
 
 namespace detail {
 
+/// Streams of draws from the training part, other than those that made it: 0 and 1 of groups, 0 … of classes.
+inline constexpr std::uint32_t stream_of_kept = 0x60, stream_of_held_out = 0x61;
+
 /// Moves whole groups out of training, in random order, as long as that brings the classes closer to their
 /// share or brings in a class that the part lacks. No class loses its last group: training needs each.
 /// `part_of` each sample: 0 is training, `part` the one that grows.
@@ -264,7 +267,7 @@ inline void check_split(const data_split& split, std::span<const std::size_t> la
     std::vector<std::size_t> order;
     for (const auto& of_group : members)
         order.push_back(of_group.first);
-    random_stream(seed, random_purposes::split, 0).shuffle(order);
+    random_stream(seed, random_purposes::split, detail::stream_of_kept).shuffle(order);
     for (auto& of_class : missing)
         of_class.second = std::ceil(share * of_class.second - 1e-9); // 0.28 of 25 are 7
     split.training.clear();

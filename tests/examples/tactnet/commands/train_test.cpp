@@ -89,7 +89,7 @@ TEST_SUITE("program") {
         says(told("--epochs 2"), off);
         says_not(told("--epochs 2"), "reflections of rows");
         says(told("--epochs 2 --recipe thorough"), off);
-        says(told("--epochs 2"), "too few images or epochs for trials");
+        says(told("--epochs 2"), "too few images or epochs for short trainings");
         says_not(told("--epochs 40"), "too few");
         CHECK(tactnet::safetensors::read(shop / "net").metadata().at("augmentation") == "auto");
         for (const char* fixed : {"--augmentation each-epoch", "--augmentation none", "--recipe published"})
