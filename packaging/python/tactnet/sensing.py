@@ -67,7 +67,8 @@ def Sensor(size: Sequence[int], **settings: float) -> _core.Sensor:
 
 def Scene(size: Sequence[int], effects: Iterable[str] = ("contact<winkler>", "elastic_pad", "noise", "saturation", "quantisation<8>"),
           pitch: float = 1.903e-3, unit: int = 1) -> _core.Scene:
-    """A simulated sensor of (rows, columns) tactels, `pitch` metres apart; `unit` is its number, for what varies between sensors.
+    """A simulated sensor of (rows, columns) tactels, `pitch` metres apart, for one thread at a time; `unit` is its number, for what varies between
+    sensors.
 
     `effects` are those of docs/train/simulation.md in the order of physics, with parameters in braces, as "noise{.additive = 200}".
     """
