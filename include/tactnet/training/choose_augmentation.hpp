@@ -33,6 +33,12 @@ struct augmentation_choice {
     std::vector<augmentation_trial> trials;
     std::vector<std::string> reasons; ///< sentences: what was chosen and why
 };
+/// What a caller has decided: these parts of a recipe stay as they are.
+struct fixed_augmentation {
+    bool rows = false, columns = false; ///< reflections
+    bool movement = false;              ///< translation, rotation and scale
+    bool function = false;              ///< of counts
+};
 
 namespace detail {
 
@@ -42,21 +48,24 @@ struct recipe_variation {
     const char* what;
     void (*change)(recipe&);
     double standard_errors;
+    bool fixed_augmentation::*kind;
     bool needs_groups = false; ///< what blocks of the training images say of it is mostly chance
 };
 
 inline constexpr double for_default = 2.5, for_new = 1;
 inline constexpr std::array recipe_variations{
     recipe_variation{"without reflections of rows",
-                     [](recipe& r) { r.ranges.reflect_rows = 0, r.reflections.rows = {}; }, for_default},
+                     [](recipe& r) { r.ranges.reflect_rows = 0, r.reflections.rows = {}; }, for_default,
+                     &fixed_augmentation::rows},
     recipe_variation{"without reflections of columns",
-                     [](recipe& r) { r.ranges.reflect_columns = 0, r.reflections.columns = {}; },
-                     for_default},
+                     [](recipe& r) { r.ranges.reflect_columns = 0, r.reflections.columns = {}; }, for_default,
+                     &fixed_augmentation::columns},
     recipe_variation{"without translation, rotation and scale",
                      [](recipe& r) { r.ranges.translation = r.ranges.rotation = r.ranges.scale = 0; },
-                     for_default},
+                     for_default, &fixed_augmentation::movement},
     recipe_variation{"with the square root of counts",
-                     [](recipe& r) { r.function = {count_rule::square_root}; }, for_new, true}};
+                     [](recipe& r) { r.function = {count_rule::square_root}; }, for_new,
+                     &fixed_augmentation::function, true}};
 
 /// Divides samples into those that short trainings learn and those that judge them: whole groups, or blocks
 /// of each class in the order of recording. A class stays in training.
@@ -140,7 +149,7 @@ public:
     augmentation_search(const trainable& network, const recipe& how, const labelled_samples& samples,
                         std::span<const std::size_t> training, std::span<const std::size_t> groups,
                         std::uint64_t seed, thread_pool& threads, const std::function<bool()>& stop,
-                        std::size_t most_epochs)
+                        std::size_t most_epochs, const fixed_augmentation& fixed)
         : network_(network),
           samples_(samples),
           groups_(groups),
@@ -149,19 +158,22 @@ public:
           threads_(threads),
           stop_(stop),
           most_epochs_(most_epochs),
+          fixed_(fixed),
           result_{how, {}, {}} {}
 
     [[nodiscard]] augmentation_choice run(const reflection_rule& found, std::span<const std::string> names) {
         recipe& base = result_.chosen;
         const recipe how = base;
-        reflect("rows", base.ranges.reflect_rows, base.reflections.rows, found.rows, names);
-        reflect("columns", base.ranges.reflect_columns, base.reflections.columns, found.columns, names);
+        if (!fixed_.rows)
+            reflect("rows", base.ranges.reflect_rows, base.reflections.rows, found.rows, names);
+        if (!fixed_.columns)
+            reflect("columns", base.ranges.reflect_columns, base.reflections.columns, found.columns, names);
         const recipe start = base;
         std::vector<std::pair<const recipe_variation*, recipe>> changed;
         for (const recipe_variation& v : recipe_variations) {
             recipe r = start;
             v.change(r);
-            if (!(r.ranges == start.ranges && r.function == start.function) &&
+            if (!(fixed_.*v.kind) && !(r.ranges == start.ranges && r.function == start.function) &&
                 !(v.needs_groups && groups_.empty()))
                 changed.emplace_back(&v, r);
         }
@@ -257,6 +269,7 @@ private:
     const std::function<bool()>& stop_;
     static constexpr std::size_t fewest_epochs = 4; ///< of a trial that says anything
     const std::size_t most_epochs_;
+    const fixed_augmentation fixed_;
     std::size_t epochs_ = 0, steps_ = 0; ///< of a trial
     augmentation_choice result_;
 };
@@ -273,20 +286,21 @@ private:
 /// short trainings favour less augmentation; the square root of counts, tried with groups alone, is taken
 /// from one standard error and half a point on.
 ///
-/// The network is untrained and is not changed. `names` of classes are for the reasons. `stop` is asked after
-/// each epoch: if it says so, the search ends with what it has found. A recipe without augmentation, or of
-/// features, stays as it is. Throws as `training_loop`.
+/// What is `fixed` is neither tried nor changed. The network is untrained and is not changed. `names` of
+/// classes are for the reasons. `stop` is asked after each epoch: if it says so, the search ends with what it
+/// has found. A recipe without augmentation, or of features, stays as it is. Throws as `training_loop`.
 [[nodiscard]] inline augmentation_choice
 choose_augmentation(const trainable& network, const recipe& how, const labelled_samples& samples,
                     std::span<const std::size_t> training, std::span<const std::size_t> groups,
                     std::uint64_t seed, thread_pool& threads, std::span<const std::string> names = {},
-                    const std::function<bool()>& stop = {}, std::size_t most_epochs = 220) {
+                    const std::function<bool()>& stop = {}, std::size_t most_epochs = 220,
+                    const fixed_augmentation& fixed = {}) {
     if (!samples.are_images() || how.augmentation == augmentation_rule::none)
         return {how, {}, {"no augmentation to choose from"}};
     const auto compared = detail::groups_to_compare(samples, training, groups);
     augmentation_choice found =
         detail::augmentation_search(network, how, samples, training, compared, seed, threads, stop,
-                                    most_epochs)
+                                    most_epochs, fixed)
             .run(find_reflections(network.input_shape(), samples, training, compared), names);
     if (compared.empty() && !groups.empty())
         found.reasons.emplace(found.reasons.begin(),
