@@ -235,10 +235,11 @@ int check_data(const std::filesystem::path& folder, const group_options& options
     for (const std::string& doubt : doubts)
         text += "warning: " + doubt + '\n';
     text += neighbours;
+    const std::size_t warnings = doubts.size() + (neighbours.empty() ? 0 : 1);
     if (!problems.empty())
         text += fmt::format("{} problems\n", grouped(count));
-    else if (!doubts.empty() || !neighbours.empty())
-        text += fmt::format("no image is wrong; {} warnings\n", doubts.size() + (neighbours.empty() ? 0 : 1));
+    else if (warnings > 0)
+        text += fmt::format("no image is wrong; {} warning{}\n", warnings, warnings == 1 ? "" : "s");
     else
         text += "nothing is wrong\n";
     print(text);

@@ -94,6 +94,9 @@ public:
             return interrupted_by_user;
         }
         recipe.epochs = choice.chosen.epochs;
+        for (const auto& [key, value] : describe_method(what, choice.chosen))
+            if (const auto said = settings.find(key); said == settings.end() || said->second != value)
+                chosen["chosen_" + key] = value;
         for (const std::string& reason : choice.reasons)
             tell("augmentation: {}\n", printable(reason));
         training = what.train(choice.chosen, data.view(), std::move(split), o.seed, threads, begins_with);
@@ -224,6 +227,7 @@ private:
         const tactnet::confusion_matrix& test = tested.confusion;
         const tactnet::evaluation validation = evaluated(best, validate);
         tactnet::file_metadata metadata = settings;
+        metadata.insert(chosen.begin(), chosen.end());
         double temperature = 1;
         if (const auto scaling = fit_temperature(validation, validate, data)) {
             temperature = scaling->temperature;
@@ -292,7 +296,7 @@ private:
     tactnet::thread_pool threads;
     image_data data;
     tactnet::split_rule rule{};
-    tactnet::file_metadata settings{};
+    tactnet::file_metadata settings{}, chosen{}; ///< the latter: what images chose otherwise
     std::unique_ptr<training_run> training;
     epoch_training* epochs = nullptr; ///< the same, of a network
 };

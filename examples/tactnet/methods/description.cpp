@@ -219,7 +219,12 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
         all["start"] = file_fingerprint(s.start);
     if (!s.pretrained.empty())
         all["pretrained"] = pretrained_fingerprint(s.pretrained);
-    const tactnet::recipe recipe = recipe_for(what, s, split_for(data, s, rule, seed).training.size());
+    const auto training = split_for(data, s, rule, seed).training;
+    tactnet::recipe recipe = recipe_for(what, s, training.size());
+    // What mean images alone choose is described as if options said it: they are cheap to ask, and where they
+    // choose what the recipe has, results are found that were made before they were asked. Trials are not.
+    if (tactnet::thread_pool alone; s.chooses(what) && !s.tries(what))
+        recipe = choose_recipe(what, s, data, training, seed, alone).chosen;
     if (recipe.augment_full_resolution && recipe.augmentation != tactnet::augmentation_rule::none &&
         what.augment_full_resolution(data.taken.size))
         all["varied"] =

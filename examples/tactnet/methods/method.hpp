@@ -205,10 +205,11 @@ public:
     /// Opens the file of it. Throws tactnet::file_error; for methods that need one alone.
     virtual std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path&) const = 0;
     /// The recipe with the augmentation that suits the training images (tactnet::choose_augmentation), by
-    /// mean images alone or by `trials` too.
+    /// mean images alone or by `trials` too, but for what is fixed.
     virtual tactnet::augmentation_choice choose(const tactnet::recipe& recipe, const image_data&,
                                                 std::span<const std::size_t> training, std::uint64_t seed,
-                                                tactnet::thread_pool&, bool trials) const {
+                                                tactnet::thread_pool&, bool trials,
+                                                const tactnet::fixed_augmentation&) const {
         static_cast<void>(training), static_cast<void>(seed), static_cast<void>(trials);
         return {recipe, {}, {}};
     }

@@ -54,6 +54,9 @@ void check_settings(const method& what, const training_settings& s) {
         refuse(
             "--scale, --gain, --noise, --erase, --reflect, --partners, --rotation, --translation: expected "
             "an augmentation, which they change, found --augmentation none");
+    if (!s.partners.empty() && (s.reflect == "none" || s.reflect == "rows"))
+        refuse("--partners: expected reflections of columns, which exchange them, found --reflect {}",
+               *s.reflect);
     if (s.augmentation == "auto" && !s.chooses(what))
         refuse("--augmentation: expected none, each-epoch or sixfold for {}, found auto",
                what.begins_at_random() ? "the published recipe"
@@ -257,7 +260,7 @@ tactnet::data_split split_for(const image_data& data, const training_settings& s
 
 namespace {
 
-/// What options say of augmentation and input function, which goes before what images choose.
+/// What options say of augmentation and input function. Images choose the rest: see choose_recipe.
 void apply_kinds(tactnet::recipe& r, const training_settings& s) {
     const auto set = [](double& to, const std::optional<double>& value) { to = value.value_or(to); };
     set(r.ranges.rotation, s.rotation), set(r.ranges.translation, s.translation);
@@ -300,15 +303,18 @@ std::vector<std::size_t> partners_of(std::span<const std::string> pairs,
 tactnet::augmentation_choice choose_recipe(const method& what, const training_settings& s,
                                            const image_data& data, std::span<const std::size_t> training,
                                            std::uint64_t seed, tactnet::thread_pool& threads) {
-    tactnet::augmentation_choice choice{recipe_for(what, s, training.size()), {}, {}};
-    if (s.chooses(what))
-        choice = what.choose(choice.chosen, data, training, seed, threads, s.tries(what));
-    apply_kinds(choice.chosen, s);
+    tactnet::recipe recipe = recipe_for(what, s, training.size());
     if (!s.partners.empty()) {
-        choice.chosen.ranges.reflect_columns = 0.5;
-        choice.chosen.reflections.columns = {true, partners_of(s.partners, data.images.classes)};
+        recipe.ranges.reflect_columns = 0.5;
+        recipe.reflections.columns = {true, partners_of(s.partners, data.images.classes)};
     }
-    return choice;
+    if (!s.chooses(what))
+        return {recipe, {}, {}};
+    return what.choose(recipe, data, training, seed, threads, s.tries(what),
+                       {.rows = s.reflect.has_value(),
+                        .columns = s.reflect || !s.partners.empty(),
+                        .movement = s.rotation || s.translation || s.scale,
+                        .function = s.function.has_value()});
 }
 
 tactnet::recipe recipe_for(const method& what, const training_settings& s, std::size_t training_images) {

@@ -9,6 +9,7 @@
 #include <tactnet/io/write_file.hpp>
 #include <tactnet/training/intervals.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 void report_intervals(const candidate_list& candidates, const split_plan& plan,
@@ -123,7 +124,7 @@ std::size_t write_predictions(const std::filesystem::path& file, const candidate
         const auto bytes = tactnet::read_file(path);
         std::string_view lines(reinterpret_cast<const char*>(bytes.data()), bytes.size());
         for (bool head = true; !lines.empty(); head = false) {
-            const std::size_t end = lines.find('\n') + 1;
+            const std::size_t end = std::min(lines.find('\n'), lines.size() - 1) + 1;
             if (!head || text.empty())
                 text += fmt::format("{},{},{}", head ? "split" : name_of(t.rule),
                                     head ? "seed" : fmt::to_string(t.seed), lines.substr(0, end));

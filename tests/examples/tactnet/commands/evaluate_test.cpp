@@ -99,6 +99,16 @@ TEST_SUITE("program") {
                      "evaluation.jsonl: line 1: expected a result of tactnet evaluate, found");
     }
 
+    TEST_CASE("evaluate: what mean images choose for the thorough recipe is described") {
+        const workshop shop;
+        for (const char* more : {"", "--augmentation each-epoch"})
+            says(shop.succeeds("evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --epochs 2 "
+                               "--splits 1 --split random --jobs 1 --recipe thorough --results r" +
+                               words(more))
+                     .error,
+                 "1 trainings to do, of 1 in all");
+    }
+
     TEST_CASE("evaluate: a learning curve, intervals, and each class and image") {
         const workshop shop;
         const auto evaluate = [](const words& more) {

@@ -95,6 +95,12 @@ TEST_SUITE("program") {
         for (const char* fixed : {"--augmentation each-epoch", "--augmentation none", "--recipe published"})
             says_not(told(std::string("--epochs 2 ") + fixed), "augmentation:");
         CHECK(tactnet::safetensors::read(shop / "net").metadata().at("augmentation") == "each-epoch");
+        // What options say stays.
+        for (const char* fixed : {"--reflect both", "--reflect columns", "--partners left=right"})
+            says_not(told(std::string("--epochs 2 ") + fixed), "reflections of columns");
+        shop.refuses(
+            shop.train_arguments("--partners left=right --reflect rows --output net"),
+            "--partners: expected reflections of columns, which exchange them, found --reflect rows");
         shop.refuses(shop.train_arguments("--recipe published --augmentation auto --output net"),
                      "--augmentation: expected none, each-epoch or sixfold for the published recipe");
     }
