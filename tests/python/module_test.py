@@ -69,7 +69,8 @@ def same_bits(program):
     same_touches(numbers[600:], frames, expected[1, -1])
     for deployed, outputs in zip((single, eight), expected):
         assert (deployed.scores(frames, threads=2) == outputs).all()
-        for form in (frames[7], frames[7].astype(numpy.float32), frames.astype(numpy.int64)[7], numpy.asfortranarray(frames[7]), frames[7].ravel()):
+        for form in (frames[7], *map(frames[7].astype, ("f4", "u4", ">u2", ">f4")), frames.astype(numpy.int64)[7], numpy.asfortranarray(frames[7]),
+                     frames[7].ravel()):
             assert (deployed.scores(form) == outputs[7]).all()
         assert deployed.classify(frames[7]) == (deployed.predict(frames[7]), deployed.predict_proba(frames)[7].max())
         assert abs(deployed.predict_proba(frames).sum(1) - 1).max() < 1e-12
@@ -82,6 +83,10 @@ def same_bits(program):
         assert all((found == expected[0]).all() for found in pool.map(lambda _: single.scores(frames), range(20)))
     single.export_header("exported.hpp", "tactile::own", frames[0])
     assert "namespace tactile::own" in pathlib.Path("exported.hpp").read_text()
+    plain = tactnet.Network.named("tactnet4", (14, 25), 5).fit(frames, labels, epochs=1, augmentation="none")
+    assert b"reflected_axes" in plain.to_bytes() and b"reflected_axes" not in network.to_bytes()
+    plain.deploy().export_header("plain.hpp", "plain", frames[0])
+    assert "reflection_rule_view{{false, {}}, {false, {}}}" in pathlib.Path("plain.hpp").read_text()
     assert single.classify(numpy.full((14, 25), numpy.nan)) is None
     message(ValueError, lambda: single.scores(numpy.full((2, 14, 25), [[[1]], [[numpy.inf]]])), "frame 1")
     message(ValueError, lambda: single.scores(frames[:, :5]), "14 x 25", "(60, 5, 25)")
@@ -108,6 +113,10 @@ def same_touches(numbers, frames, logits):
     clean, contacts = sensor.update(frames[10:])
     of_each = numbers[:50 * 351].reshape(50, 351)
     assert (clean.reshape(50, 350) == of_each[:, :-1]).all() and (contacts["area"] == of_each[:, -1]).all() and contacts["firm"].any()
+    for stored in ("u4", ">u2", ">f4"):
+        other = tactnet.Sensor((14, 25), full=200)
+        other.learn(frames[:10].astype(stored))
+        assert (other.update(frames[10:].astype(stored))[0] == clean).all(), stored
     again = tactnet.Sensor((14, 25), full=4095)
     again.learn(frames[0].astype(numpy.uint16) * 16)
     assert again.update(frames[0].astype(numpy.uint16) * 16)[0].max() < 20 and not again.update(frames[0] * 0)[1]["touching"]

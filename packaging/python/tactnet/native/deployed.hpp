@@ -23,9 +23,12 @@ public:
         return frames.are_counts ? infer_as<std::uint8_t>(frames, to, threads)
                                  : infer_as<float>(frames, to, threads);
     }
-    std::string header(const tactnet::header_description& description,
+    std::string header(const tactnet::header_description& description, double temperature,
+                       const tactnet::reflection_rule& reflections,
                        std::span<const std::uint8_t> frame) const override {
-        return tactnet::deployed_header(own_, description, frame.first<pixels>());
+        network_type own = own_;
+        own.set_temperature(temperature), own.set_reflections(reflections);
+        return tactnet::deployed_header(own, description, frame.first<pixels>());
     }
     std::span<const float> folded() const override { return own_.folded(); }
 

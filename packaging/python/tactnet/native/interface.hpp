@@ -8,6 +8,7 @@
 #include <tactnet/deployment/export/header_description.hpp>
 #include <tactnet/deployment/frame_ref.hpp>
 #include <tactnet/detail/instruction_set.hpp>
+#include <tactnet/networks/reflection_rule.hpp>
 #include <tactnet/operators/layer.hpp>
 
 #include <cstddef>
@@ -57,7 +58,8 @@ public:
     virtual tactnet::frame_status infer(const frames_view& frames, std::span<float> outputs,
                                         std::size_t threads) const = 0;
     /// The text of a C++ header. `frame` is for its self-test.
-    virtual std::string header(const tactnet::header_description& description,
+    virtual std::string header(const tactnet::header_description& description, double temperature,
+                               const tactnet::reflection_rule& reflections,
                                std::span<const std::uint8_t> frame) const = 0;
     virtual std::span<const float> folded() const = 0;
     std::size_t weight_bytes = 0, workspace_bytes = 0;

@@ -52,11 +52,12 @@ inline bool is_single(const py::array& x, const tactnet::shape& input) {
     return dimensions == (planar ? 2U : flat ? 1U : 3U);
 }
 
-/// Elements of these types as they lie in memory, of all other types as floats.
+/// Elements of exactly these types, in this machine's order of bytes, as they lie in memory; all others as
+/// floats.
 template <class... Kept>
 py::array as_stored(py::array x) {
     if (!(py::isinstance<py::array_t<Kept, py::array::c_style>>(x) || ...)) {
-        const bool kept = ((x.dtype().kind() == 'u' && x.itemsize() == sizeof(Kept)) || ...);
+        const bool kept = (py::isinstance<py::array_t<Kept, 0>>(x) || ...);
         x = kept ? py::array::ensure(x, py::array::c_style) : py::array(converted_floats::ensure(x));
     }
     if (!x)

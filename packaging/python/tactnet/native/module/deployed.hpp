@@ -65,12 +65,8 @@ public:
         if (static_cast<std::size_t>(frame.size()) != code->pixels())
             throw_invalid_argument({"header: expected a frame of ", code->pixels(), " counts, found ",
                                     static_cast<std::size_t>(frame.size())});
-        if (reflections != tactnet::reflection_rule::all())
-            throw_invalid_argument(
-                {"header: expected a network with all reflections, found one with its own, "
-                 "which `tactnet export` writes"});
-        return own->header({.network = network, .namespace_name = name, .classes = classes},
-                           std::span(frame.data(), code->pixels()));
+        return own->header({.network = network, .namespace_name = name, .classes = classes}, temperature,
+                           reflections, std::span(frame.data(), code->pixels()));
     }
     /// The bytes of a file of a network in 8 bits.
     py::bytes file(const std::string& network, const bytes_of_counts& selftest) const {

@@ -106,7 +106,9 @@ inline model train(shared_code code, const py::array& x, const indices& labels,
     const auto best = loop.best().copy();
     model m{code,
             {{}, best->epsilon(), {loop.mean().begin(), loop.mean().end()}, loop.scale()},
-            std::move(classes)};
+            std::move(classes),
+            1,
+            loop.reflections()};
     for (const tactnet::parameter& p : arrays) {
         const std::span<const float> values = best->values_of(p);
         m.numbers.arrays.emplace_back(values.begin(), values.end());
