@@ -3,11 +3,11 @@
 // Run it pinned to an idle core.
 
 #include "../peers/image_peer.hpp"
+#include "../support/measure.hpp"
 
 #include <tactnet/image.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -42,15 +42,6 @@ struct task {
     double allowed = 0;    ///< by both definitions
     double ours_seconds = 1e9, peer_seconds = 1e9;
 };
-
-template <class Body>
-double seconds_of(std::size_t calls, Body&& body) {
-    const auto start = std::chrono::steady_clock::now();
-    for (std::size_t i = 0; i < calls; ++i)
-        body();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() /
-           static_cast<double>(calls);
-}
 
 template <shape To>
 tactnet::tensor<float, To> ours_resized;
@@ -135,9 +126,9 @@ int main() {
 #endif
     for (std::size_t r = 0; r < rounds; ++r)
         for (task& t : tasks) {
-            t.ours_seconds = std::min(t.ours_seconds, seconds_of(t.calls, t.ours));
+            t.ours_seconds = std::min(t.ours_seconds, benchmark::seconds_of(t.ours, t.calls));
             if (t.peer)
-                t.peer_seconds = std::min(t.peer_seconds, seconds_of(t.calls, t.peer));
+                t.peer_seconds = std::min(t.peer_seconds, benchmark::seconds_of(t.peer, t.calls));
         }
     std::printf(
         "one core, %zu lanes, microseconds in the fastest of %zu interleaved rounds\n%-38s %9s %9s %7s "

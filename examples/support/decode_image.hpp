@@ -29,7 +29,7 @@ struct grey_counts {
 /// orientation in EXIF data that viewers turn the image by, and damage, even where a decoder would go on.
 grey_counts decode_counts(const std::filesystem::path& path);
 
-/// The same for files of 8 bits; throws tactnet::file_error for deeper ones too.
+/// Decodes files of 8 bits as above; throws tactnet::file_error for deeper ones too.
 tactnet::grey_image decode_image(const std::filesystem::path& path);
 
 /// Writes 8-bit grey values, row-major, as a PNG file, all or nothing.

@@ -62,7 +62,7 @@ public:
         require(found == sum, name, "the checksum " + std::to_string(sum), std::to_string(found));
         return true;
     }
-    /// Of the latest entry, for messages.
+    /// The name of the latest entry, for messages.
     const std::string& place() const { return name_; }
 
 private:

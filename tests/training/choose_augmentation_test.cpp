@@ -130,6 +130,15 @@ TEST_CASE("choose_augmentation: finds partners, judges kinds on held-out groups,
     CHECK(choose().chosen.ranges == found.chosen.ranges);
     CHECK(choose([] { return true; }).trials.empty());
 
+    // What a caller has decided is neither changed nor tried.
+    const auto decided =
+        choose_augmentation(fresh, how, task.images(), task.all, task.groups, 1, threads, names, {}, 220,
+                            {.rows = true, .columns = true, .movement = true});
+    CHECK(decided.chosen.reflections == reflection_rule::all());
+    CHECK(decided.chosen.ranges.reflect_rows == how.ranges.reflect_rows);
+    REQUIRE(decided.trials.size() == 1);
+    CHECK(decided.trials[0].what == "with the square root of counts");
+
     const auto reasons = [&](std::size_t most, const std::vector<std::size_t>& groups) {
         return choose_augmentation(fresh, how, task.images(), task.all, groups, 1, threads, names, {}, most)
             .reasons;

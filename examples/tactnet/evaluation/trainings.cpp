@@ -43,8 +43,8 @@ training_result result_of(const trained_method& trained, const task& t, const tr
     if (!t.of->predictions.empty()) {
         const auto path = predictions_of(*t.of, result.settings);
         make_folder_of(path);
-        tactnet::write_file(path,
-                            predictions_csv(data, test_images, test, scaling ? scaling->temperature : 1));
+        tactnet::write_file(path, predictions_csv(data, test_images, test, scaling ? scaling->temperature : 1,
+                                                  {{"split", name_of(t.rule)}, {"seed", t.seed}}));
     }
     if (const auto reflections = trained.reflections())
         result.reflected_accuracy =

@@ -47,11 +47,12 @@ void write_class_report(const std::filesystem::path& stem, const tactnet::confus
 }
 
 std::string predictions_csv(const image_data& data, std::span<const std::size_t> images,
-                            const tactnet::evaluation& result, double temperature) {
+                            const tactnet::evaluation& result, double temperature,
+                            const nlohmann::ordered_json& first) {
     const std::vector<std::string>& classes = data.images.classes;
     std::vector<nlohmann::ordered_json> rows;
     for (std::size_t i = 0; i < images.size(); ++i) {
-        nlohmann::ordered_json& row = rows.emplace_back();
+        nlohmann::ordered_json& row = rows.emplace_back(first);
         row["path"] = data.name(images[i]);
         row["group"] = data.groups.empty() ? "" : printable(data.group_names[data.groups[images[i]]]);
         row["label"] = printable(classes[data.images.labels[images[i]]]);

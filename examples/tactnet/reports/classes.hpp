@@ -14,7 +14,8 @@ table_cells class_table(const tactnet::confusion_matrix& confusion, const std::v
 void write_class_report(const std::filesystem::path& stem, const tactnet::confusion_matrix& confusion,
                         const std::vector<std::string>& classes);
 
-/// A line for each tested image, as CSV: path, group, label, prediction, and for a network the probability of
-/// each class at that temperature.
+/// Returns a line for each tested image, as CSV: the members of `first`, path, group, label, prediction, and
+/// for a network the probability of each class at that temperature. The heading is one line.
 std::string predictions_csv(const image_data& data, std::span<const std::size_t> images,
-                            const tactnet::evaluation& result, double temperature);
+                            const tactnet::evaluation& result, double temperature,
+                            const nlohmann::ordered_json& first = nlohmann::ordered_json::object());

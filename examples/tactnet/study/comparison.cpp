@@ -122,14 +122,8 @@ std::size_t write_predictions(const std::filesystem::path& file, const candidate
         if (t.of != &of || (!std::filesystem::exists(path) && ++missing > 0))
             continue;
         const auto bytes = tactnet::read_file(path);
-        std::string_view lines(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-        for (bool head = true; !lines.empty(); head = false) {
-            const std::size_t end = std::min(lines.find('\n'), lines.size() - 1) + 1;
-            if (!head || text.empty())
-                text += fmt::format("{},{},{}", head ? "split" : name_of(t.rule),
-                                    head ? "seed" : fmt::to_string(t.seed), lines.substr(0, end));
-            lines.remove_prefix(end);
-        }
+        const std::string_view lines(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+        text += text.empty() ? lines : lines.substr(std::min(lines.find('\n'), lines.size() - 1) + 1);
     }
     tactnet::write_file(file, text);
     return missing;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What an evaluation reports of its splits beside rows: intervals, a curve of accuracy against training
+// Reports that compare the splits of an evaluation: intervals, a curve of accuracy against training
 // images, and the prediction of every test image. As tables and in files of the folder of results.
 
 #include "study/rows.hpp"

@@ -48,7 +48,7 @@ struct input_function {
         std::copy_n(counts, to.size(), to.data());
         apply(to);
     }
-    /// The same of bytes, by a table.
+    /// Writes the compressed counts of a frame of bytes, which a table of 256 values gives.
     void apply(const std::uint8_t* counts, std::span<float> to) const noexcept {
         if (identity()) {
             std::copy_n(counts, to.size(), to.data());

@@ -146,7 +146,7 @@ constexpr void reflect_image(const shape& image, reflection how, const Count* fr
 [[nodiscard]] constexpr float mean_of_reflections(float upright, float rows, float columns, float both) {
     return ((upright + rows) + (columns + both)) / 4;
 }
-/// The same over the reflections along the given axes alone: at(r) is of all_reflections[r].
+/// Returns the mean over reflections along the given axes alone; at(r) is an output for all_reflections[r].
 template <class At>
 [[nodiscard]] constexpr float mean_of_reflections(reflection axes, const At& at) {
     if (axes.rows && axes.columns)

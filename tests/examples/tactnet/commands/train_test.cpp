@@ -81,23 +81,23 @@ TEST_SUITE("program") {
 
     TEST_CASE("train: images choose the augmentation, unless an option or a published recipe does") {
         const workshop shop;
-        const auto told = [&](const std::string& more) {
+        const auto printed = [&](const std::string& more) {
             return shop.trains(more + " --afresh --output net").error;
         };
         // The bar on the right is narrower than that on the left, and bars have no upside.
         const std::string off = "reflections of columns: off, since reflected images resemble no class";
-        says(told("--epochs 2"), off);
-        says_not(told("--epochs 2"), "reflections of rows");
-        says(told("--epochs 2 --recipe thorough"), off);
-        says(told("--epochs 2"), "too few images or epochs for short trainings");
-        says_not(told("--epochs 40"), "too few");
+        says(printed("--epochs 2"), off);
+        says_not(printed("--epochs 2"), "reflections of rows");
+        says(printed("--epochs 2 --recipe thorough"), off);
+        says(printed("--epochs 2"), "too few images or epochs for short trainings");
+        says_not(printed("--epochs 40"), "too few");
         CHECK(tactnet::safetensors::read(shop / "net").metadata().at("augmentation") == "auto");
         for (const char* fixed : {"--augmentation each-epoch", "--augmentation none", "--recipe published"})
-            says_not(told(std::string("--epochs 2 ") + fixed), "augmentation:");
+            says_not(printed(std::string("--epochs 2 ") + fixed), "augmentation:");
         CHECK(tactnet::safetensors::read(shop / "net").metadata().at("augmentation") == "each-epoch");
         // What options say stays.
         for (const char* fixed : {"--reflect both", "--reflect columns", "--partners left=right"})
-            says_not(told(std::string("--epochs 2 ") + fixed), "reflections of columns");
+            says_not(printed(std::string("--epochs 2 ") + fixed), "reflections of columns");
         shop.refuses(
             shop.train_arguments("--partners left=right --reflect rows --output net"),
             "--partners: expected reflections of columns, which exchange them, found --reflect rows");

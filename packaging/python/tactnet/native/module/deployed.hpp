@@ -33,7 +33,8 @@ public:
         infer(frames.view, to, threads);
         return result;
     }
-    /// Of each class; as classify_logits and classify_probabilities compute that of the most likely.
+    /// Returns the probability of each class, as classify_logits and classify_probabilities compute it for
+    /// the most likely one.
     py::array_t<double> probabilities(const py::array& x, std::size_t threads) const {
         const frames_argument frames = frames_of(x, code->facts().input);
         const std::size_t named = classes.size();
