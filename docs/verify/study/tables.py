@@ -15,6 +15,7 @@ import pathlib
 import re
 import shutil
 import statistics
+import string
 import subprocess
 import sys
 import tarfile
@@ -90,7 +91,7 @@ def paper_methods():
     with open(KEPT / "study.csv", encoding="utf-8") as file:
         rows = {row["method"]: row for row in csv.DictReader(file)
                 if (row["rows"], row["recipe"]) == ("28", "default") and row["bits"] in ("", "32")}
-    alone = {row["network"]: float(row["tactnet_ms"]) for row in read("zen5/2026-11-24/large_networks.csv") if row["batch"] == "1"}
+    alone = {row["network"]: float(row["tactnet_ms"]) for row in read(newest("zen5", "large_networks.csv")) if row["batch"] == "1"}
 
     def percent(row, name):
         mean, deviation = row[f"{name}_accuracy"], row[f"{name}_deviation"]
@@ -117,12 +118,20 @@ def title(network):
     return re.sub("tact(net|resnet)([0-9]?)/(.*)x(.*)", lambda m: f"Tact{'Net-' + m[2] if m[1] == 'net' else 'ResNet'} {m[3]} × {m[4]}", network)
 
 
-PROCESSORS = {"Zen 4": "zen4/2026-11-24", "Zen 5": "zen5/2026-11-24", "Xeon with AMX": "xeon/2026-11-27"}
+def newest(processor, name, holds=""):
+    """The newest of the results of a processor, in benchmarks/results, that has such a name and holds such a text."""
+    found = [path for path in sorted((ROOT / "benchmarks/results" / processor).glob(f"*/{name}")) if holds in path.read_text()]
+    if not found:
+        sys.exit(f"tables.py: benchmarks/results/{processor}: expected a file '{name}' with '{holds}', found none.")
+    return found[-1].relative_to(ROOT / "benchmarks/results").as_posix()
+
+
+PROCESSORS = {"Zen 4": "zen4", "Zen 5": "zen5", "Xeon with AMX": "xeon"}
 
 
 def inference(processor, batch="1", kind=""):
     """What benchmark_inference measured on a processor: its rows by network."""
-    rows = read(f"{PROCESSORS[processor]}/inference{kind}.csv")
+    rows = read(newest(PROCESSORS[processor], f"inference{kind}.csv"))
     network, of = list(rows[0])[:2]
     return {row[network]: row for row in rows if row[of] == batch and re.fullmatch("[a-z0-9]+/[0-9]+x[0-9]+", row[network])}
 
@@ -137,11 +146,11 @@ def speed(name):
         return "| TactNet-6 at 28 × 50 | µs per frame |\n|---|---|\n" + "".join(f"| {name} | {row[key]} |\n" for name, key in libraries.items())
     if name == "rivals":
         best = {}  # of a library's back ends, the fastest
-        for row in read("zen5/2026-11-28/rivals.csv"):
+        for row in read(newest("zen5", "rivals.csv")):
             best.setdefault((row["library"].split(" with ")[0], row["what"]), []).append(row)
         rows = [min(each, key=lambda row: float(row["library_us"])) for each in best.values()]
-        return table_of("| network | library | tactnet, µs | library, µs | library ÷ tactnet (quartiles) |", [
-            f"| {row['what']} | {row['library']} | {float(row['tactnet_us']):.3g} | {float(row['library_us']):.3g} | "
+        return table_of("| network | library | its µs per frame | library ÷ tactnet (quartiles) |", [
+            f"| {row['what']} | {row['library']} | {float(row['library_us']):.3g} | "
             f"{float(row['ratio']):.3g} ({float(row['lower']):.3g}–{float(row['upper']):.3g}) |" for row in rows])
     if name == "boards":
         rows = re.findall("\n([|] TactNet[^|]+)[|] Cortex-M7 ([|].*)", (ROOT / "docs/recognise/deployment.md").read_text())
@@ -154,11 +163,11 @@ def speed(name):
             for processor in PROCESSORS:
                 ratios = {network: float(row["ratio"]) for network, row in inference(processor, batch, kind).items()}
                 least = min(ratios, key=ratios.get)
-                cells.append(f"{math.prod(ratios.values()) ** (1 / len(ratios)):.2f}; {ratios[least]:.2f} ({title(least)})")
+                cells.append(f"{statistics.geometric_mean(ratios.values()):.2f}; {ratios[least]:.2f} ({title(least)})")
             lines.append(f"| {label} | {' | '.join(cells)} |")
         return table_of(f"| oneDNN ÷ tactnet: mean; least | {' | '.join(PROCESSORS)} |", lines)
     if name.startswith("cold"):
-        rows = {(row["network"], row["library"]): row for row in read("zen5/2026-11-28/cold.csv") if row["format"] == name[5:]}
+        rows = {(row["network"], row["library"]): row for row in read(newest("zen5", "cold.csv")) if row["format"] == name[5:]}
         lines = []
         for (network, library), ours in rows.items():
             if library == "tactnet":
@@ -212,7 +221,7 @@ def sizes():
 
 def mat():
     runs = {}
-    for row in read("zen5/2026-11-28/pressure_mat.csv"):
+    for row in read(newest("zen5", "pressure_mat.csv")):
         runs.setdefault(row["run"], []).append(100 * float(row["accuracy"]))
     plain = runs["the same kinds, no reflections, 17 postures"]
     lines = []
@@ -223,16 +232,41 @@ def mat():
     return table_of("| kinds of augmentation, task | accuracy, % | worst person | gain over no reflections, ± standard error |", lines)
 
 
+class figure(str):
+    """A figure as a file has it, or with a format such as `.1f` rounded to it."""
+
+    def __format__(self, wanted):
+        return format(float(self), wanted) if wanted else str(self)
+
+
+def quote_figures(page, figures, *quotes):
+    """Each of the quotes, in which `{n}` is the n-th figure, must be on the page. Unless pages are only checked, their figures are written
+    anew, where one place of the page fits."""
+    figures = [figure(value) for value in figures]
+    for text in quotes:
+        expected, page_text = text.format(*figures), (ROOT / page).read_text()
+        if expected in " ".join(page_text.split()):
+            continue
+        pattern = "".join(r"\s+".join(map(re.escape, re.split(" ", words))) + (r"([^\s|()\[\]#]+)" if name is not None else "")
+                          for words, name, _, _ in string.Formatter().parse(text))
+        places = list(re.finditer(pattern, page_text))
+        if CHECK or len(places) != 1:
+            sys.exit(f"tables.py: {page}: expected '{expected}', as the results have it, found {len(places)} places like it with other figures.")
+        names = [(name, wanted) for _, name, wanted, _ in string.Formatter().parse(text) if name is not None]
+        for group in reversed(range(len(names))):
+            name, wanted = names[group]
+            begin, end = places[0].span(group + 1)
+            page_text = page_text[:begin] + format(figures[int(name)], wanted) + page_text[end:]
+        (ROOT / page).write_text(page_text)
+        print(f"{page}: '{expected}'")
+
+
 def expect(source, pattern, page, *quotes):
     """Each of the quotes, in which `{n}` is the n-th group of the pattern in the source, must be on the page."""
     found = re.search(pattern, (ROOT / source).read_text())
     if not found:
         sys.exit(f"tables.py: {source}: expected a row '{pattern}' for {page}, found none.")
-    text = " ".join((ROOT / page).read_text().split())
-    for quote in quotes:
-        quote = quote.format(found[0], *found.groups())
-        if quote not in text:
-            sys.exit(f"tables.py: {page}: expected '{quote}', as the tables have it, found none.")
+    quote_figures(page, (found[0], *found.groups()), *quotes)
 
 
 def check_confusion():
@@ -255,7 +289,7 @@ def check_times(time):
         text = re.sub("^```.*?^```", "", page.read_text(), flags=re.M | re.S)
         for section in re.split("\n(?=#)", text):
             found = re.search(r"[0-9] (µs|ms)\b.*", section)
-            if found and not re.search("Zen|Xeon|EPYC|Cortex|machine", section):
+            if found and not re.search("Zen|Xeon|EPYC|Cortex", section):
                 sys.exit(f"tables.py: {page.relative_to(ROOT)}: expected the processor of '{found[0]}' in its section, found none.")
         for paragraph in text.split("\n\n"):
             words = " ".join(paragraph.split())
@@ -280,18 +314,70 @@ for table in ("libraries", "rivals", "boards"):
     put("docs/choosing.md", f"speed {table}", speed(table))
 # Figures in words.
 large = (r"\n[|] tactnet6, thorough recipe [|] 28 × 50 [|] ([0-9.]+) [|] ([0-9.]+) ± ([0-9.]+) [(]20[)] [|] ([0-9.]+) ± ([0-9.]+) ")
-small = r"\n[|] tactnet4 in 8 bits [|] 7 × 13 [|] ([0-9.]+) "
+large_bytes, small, small_bytes = (rf"\n[|] {key} [|] ([0-9.]+) " for key in (
+    "tactnet6 in 8 bits [|] 28 × 50", "tactnet4 [|] 7 × 13", "tactnet4 in 8 bits [|] 7 × 13"))
 page_of_study = "docs/verify/study/study.md"
 expect(page_of_study, large, "README.md", "TactNet-6 takes {1} µs per frame", "TactNet-6 recognises {4} %", "and {2} % if they are not",
-       "{2} ± {3} %", "{4} ± {5} %")
-expect(page_of_study, small, "README.md", "the smallest network {1} µs")
+       "| {4} ± {5} % | {2} ± {3} % |")
+expect(page_of_study, small_bytes, "README.md", "the smallest network {1} µs")
 expect("docs/recognise/deployment.md", r"Cortex-M7 [|] ([0-9.]+) [|] ([0-9.]+) [|]", "README.md",
        "{1} kB of flash and {2} kB of RAM on an emulated Cortex-M7")
-for page, quote in (("docs/faq.md", "TactNet-6 takes [{1} µs]"), ("docs/recognise/deployment.md", "TactNet-6 takes {1} µs"),
+for page, words in (("docs/faq.md", "TactNet-6 takes [{1} µs]"), ("docs/recognise/deployment.md", "TactNet-6 takes {1} µs"),
                     ("docs/recognise/speed.md", "{1} µs for TactNet-6 at 28 × 50"), ("docs/train/transfer.md", "It takes {1} µs per frame"),
-                    ("docs/recognise/eight_bit.md", "| Zen 5, AVX-512 with VNNI, µs per frame | {1} |")):
-    expect(page_of_study, large, page, quote)
-expect(page_of_study, r"\n[|] tactnet6 in 8 bits [|] 28 × 50 [|] ([0-9.]+) ", "docs/faq.md", "and {1} µs in 8 bits")
+                    ("docs/recognise/eight_bit.md", "| Zen 5, AVX-512 with VNNI, µs per frame | {1} |"),
+                    ("docs/recognise/speed.md", "TactNet-6 at 28 × 50 takes {1:.0f} to")):
+    expect(page_of_study, large, page, words)
+expect(page_of_study, large_bytes, "docs/faq.md", "and {1} µs in 8 bits")
+expect(page_of_study, large_bytes, "docs/recognise/eight_bit.md", "| {1} | [study]")
+expect(page_of_study, small, "docs/recognise/deployment.md", "TactNet-4 takes {1} µs at 7 × 13")
+expect(page_of_study, small, "docs/recognise/speed.md", "TactNet-4 takes {1} to")
+forms = {" ".join(cell.strip() for cell in row[1:3]): row for row in study_rows() if row[3] == " default "}
+for network, size in (("6", "28 × 50"), ("4", "28 × 50"), ("4", "14 × 25"), ("4", "7 × 13")):
+    shares = [forms[f"tactnet{network}{form} {size}"][column].split()[0] for form in ("", " in 8 bits") for column in (4, 6)]
+    quote_figures("docs/recognise/eight_bit.md", shares, f"| TactNet-{network}, {size} | {{0}} %, {{1}} % | {{2}} %, {{3}} % |")
+quote_figures("docs/recognise/speed.md", [forms[f"tactnet6-economical {size}"][8].strip() for size in ("10 × 18", "7 × 13")],
+              "takes {0} µs and {1} µs on Zen 5")
+zen4 = {batch: inference("Zen 4", batch) for batch in ("1", "64")}
+quote_figures("docs/recognise/speed.md", [zen4["1"]["tactnet4/28x50"]["tactnet_us"], zen4["1"]["tactnet6/28x50"]["tactnet_us"]],
+              "to {0:.0f} µs per frame, depending on its size and the processor", "to {1:.0f} µs. oneDNN")
+means = [statistics.geometric_mean(float(row["ratio"]) for row in inference(processor).values()) for processor in PROCESSORS]
+quote_figures("docs/recognise/speed.md", [min(means), max(means)], "takes {0:.1f} to {1:.1f} times as long on average")
+calls = [float(row["cold_us"]) / float(row["warm_us"]) for row in read(newest("zen5", "cold.csv")) if row["library"] == "tactnet"]
+quote_figures("docs/recognise/speed.md", [min(calls), max(calls)], "waits {0:.0f} to 6 times as long per call, and up to {1:.0f} times for the smallest")
+quote_figures("docs/choosing.md", [zen4["64"]["tactnet6/28x50"][library] for library in ("libtorch_us", "tactnet_us")],
+              "it takes {0:.0f} µs per frame, and tactnet {1:.1f} µs")
+alone = newest("zen5", "large_networks.csv")
+quote_figures("docs/choosing.md", [next(row["ratio"] for row in read(alone) if (row["network"], row["batch"]) == ("alexnet", "1"))],
+              "oneDNN takes {0:.2f} times as long as tactnet")
+smaller = "benchmarks/results/zen4/2026-11-26/smaller_networks.md"
+expect(smaller, r"tactnet6 in 8 bits, thorough recipe [|] 28 × 50 [|][^|]*[|][^|]*[|][^|]*[|] ([0-9.]+) ", "docs/recognise/eight_bit.md",
+       "| {1} | [benchmark](../../" + smaller)
+quote_figures("docs/recognise/eight_bit.md", [zen4["1"]["tactnet6/28x50"]["tactnet_us"]], "| Zen 4, AVX-512 with VNNI, µs per frame | {0:.1f} |")
+expect("benchmarks/results/zen4/2026-11-23/results.md", "28 × 50 with SSE4.1: ([0-9.]+) and ([0-9.]+) µs", "docs/recognise/eight_bit.md",
+       "SSE4.1, µs per frame | {1} | {2} |")
+ratios = [float(row["ratio"]) for row in read(newest("zen4", "eight_bit_networks.csv")) if row["batch"] == "1"]
+quote_figures("docs/recognise/eight_bit.md", [min(ratios), max(ratios)], "[{0:.1f} to {1:.0f} times]")
+# What decisions cost, and what they gain.
+costs = newest("zen5", "decision*.md", "| single precision |")
+alone, whole, more = re.search("[|] single precision [|] ([0-9.]+) [|] ([0-9.]+) [|] ([0-9.]+) [|]", (ROOT / "benchmarks/results" / costs).read_text()).groups()
+for page, words in (("docs/recognise/decision.md", "[{0:.1f} µs per frame of a touch](../../benchmarks/results/{1}#beside-the-network), {2:.0f} % of the time"),
+                    ("docs/faq.md", "[{0:.1f} µs](../benchmarks/results/{1}#beside-the-network)")):
+    quote_figures(page, [f"{float(whole) - float(alone):.6f}", costs, more], words)
+faults = "benchmarks/results/" + newest("zen5", "decision*.md", "| one row stuck at 255 |")
+for pattern, *words in ((r"[|] none [|] ([0-9.]+) [|][^|]*[|][^|]*[|] ([0-9.]+) ", "the {1:.1f} % without a fault", "`sensor_health::clean` takes {2} µs"),
+                        (r"[|] one row stuck at 255 [|] ([0-9.]+) [|] ([0-9.]+) [|][^|]*[|] ([0-9.]+) ", "TactNet-6 recognises {1:.1f} % of the paper's",
+                         "it recognises {2:.1f} %", "and {3} to"),
+                        (r"[|] one row dead [|][^|]*[|][^|]*[|][^|]*[|] ([0-9.]+) ", "to {1} µs if a row is faulty"),
+                        (r"of the softmax [|] ([0-9.]+) (?:.*\n.*)[|] ([0-9.]+) [|]", "[{1:.1f} and"),
+                        (r"[|] 95 [|] ([0-9.]+) [|] ([0-9.]+) ", "contain {2:.2f} classes on average", "[{1:.1f} % of test images]")):
+    expect(faults, pattern, "docs/recognise/decision.md", *words)
+expect("benchmarks/results/zen3/2026-11-26/decision.md", "error fell from ([0-9.]+) to ([0-9.]+) %", "docs/recognise/decision.md", "[{1:.1f} to {2:.1f} %]")
+# The accuracies of the fresh seeds are those of the results.
+fresh = "reaches ([0-9.]+) ± ([0-9.]+) % [(]random, 10[)] and ([0-9.]+) ± ([0-9.]+) % [(]blocked"
+for page, words in (("README.md", "({3} % on fresh seeds)"), ("README.md", "| {3} ± {4} % | {1} ± {2} % |"),
+                    ("docs/choosing.md", "reaches {1} ± {2} % on random and {3} ± {4} % on blocked"),
+                    ("docs/train/training.md", "reaches {1} ± {2} % on random splits and {3} ± {4} % on blocked ones")):
+    expect("docs/verify/results.md", fresh, page, words)
 expect("docs/verify/results.md", r"[|] auto, 3 postures [|] ([0-9.]+) .*\n[|] auto, 17 postures [|] ([0-9.]+) ", "README.md",
        "in {2} % of the frames of people", "in {1} %")
 for row in ("random images", "blocked: consecutive images", "a person left out"):
