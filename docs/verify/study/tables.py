@@ -109,8 +109,8 @@ def paper_methods():
     return table_of("| method | paper, % | paper, ms | tactnet, random splits, % | blocked splits, % | tactnet, ms |", lines)
 
 
-def read(path):
-    with open(ROOT / "benchmarks/results" / path, encoding="utf-8") as file:
+def read(path, folder="benchmarks/results"):
+    with open(ROOT / folder / path, encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
 
@@ -382,5 +382,8 @@ expect("docs/verify/results.md", r"[|] auto, 3 postures [|] ([0-9.]+) .*\n[|] au
        "in {2} % of the frames of people", "in {1} %")
 for row in ("random images", "blocked: consecutive images", "a person left out"):
     expect("docs/verify/honest_tests.md", rf"[|] {row} [|] ([0-9.]+) ", "docs/verify/results.md", f"| {row} | {{1}} |")
+six = {row["class"] + row["image"]: row for row in read("unrecognised.csv", "docs/pictures/source")}
+quote_figures("docs/verify/results.md", [six[image][key] for image, key in (("pen22", "length"), ("pen24", "class_length"), ("tube21", "class_length"))],
+              "cuts them to {0:.0f} tactels", "longer than {1:.0f}, and half of all tubes longer than {2:.0f}")
 check_confusion()
 check_times(re.search(large, (ROOT / page_of_study).read_text())[1])
