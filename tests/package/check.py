@@ -122,10 +122,13 @@ def version(expected):
     port = json.loads((ROOT / "packaging/vcpkg/tactnet/vcpkg.json").read_text())["version"]
     if port != expected:
         sys.exit(f"packaging/vcpkg/tactnet/vcpkg.json: expected version {expected}, found {port}.")
-    if f"\nversion: {expected}\n" not in (ROOT / "CITATION.cff").read_text():
-        sys.exit(f"CITATION.cff: expected version {expected}.")
-    if f"\n## [{expected}]" not in (ROOT / "CHANGELOG.md").read_text():
-        sys.exit(f"CHANGELOG.md: expected a section '## [{expected}]', found none.")
+    dated = re.search(rf"\n## \[{re.escape(expected)}\] - (.*)", (ROOT / "CHANGELOG.md").read_text())
+    if not dated:
+        sys.exit(f"CHANGELOG.md: expected a section '## [{expected}] - DATE', found none.")
+    if f"\nversion: {expected}\ndate-released: {dated[1]}\n" not in (ROOT / "CITATION.cff").read_text():
+        sys.exit(f"CITATION.cff: expected version {expected}, released on {dated[1]} as in the changelog.")
+    if f"\ntactnet/{expected}\n" not in (ROOT / "docs/install.md").read_text():
+        sys.exit(f"docs/install.md: expected 'tactnet/{expected}' in the conanfile.txt.")
 
 
 if __name__ == "__main__":
