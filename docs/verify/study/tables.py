@@ -322,6 +322,9 @@ expect(page_of_study, large, "README.md", "TactNet-6 takes {1} µs per frame", "
 expect(page_of_study, small_bytes, "README.md", "the smallest network {1} µs")
 expect("docs/recognise/deployment.md", r"Cortex-M7 [|] ([0-9.]+) [|] ([0-9.]+) [|]", "README.md",
        "{1} kB of flash and {2} kB of RAM on an emulated Cortex-M7")
+for board, core in (("Teensy 4", "Cortex-M7"), ("ESP32-C3", "RISC-V, RV32IMC")):
+    expect("docs/recognise/deployment.md", rf"\n[|] {core} [|] ([0-9.]+) [|] ([0-9.]+) [|] ([0-9 ]+) [|]", "docs/faq.md",
+           f"| {board} | {core} | {{1}} | {{2}} | {{3}} |")
 for page, words in (("docs/faq.md", "TactNet-6 takes [{1} µs]"), ("docs/recognise/deployment.md", "TactNet-6 takes {1} µs"),
                     ("docs/recognise/speed.md", "{1} µs for TactNet-6 at 28 × 50"), ("docs/train/transfer.md", "It takes {1} µs per frame"),
                     ("docs/recognise/eight_bit.md", "| Zen 5, AVX-512 with VNNI, µs per frame | {1} |"),
