@@ -4,8 +4,10 @@ python3 check.py experiment PROGRAM FOLDER
 python3 check.py rooted PROGRAM FOLDER SOURCE COMPILER [flag...]
 python3 check.py names NM LINKED=COMPILED...
 python3 check.py optimised NM LIBRARY FAST_OBJECT... -- OTHER_OBJECT...
+python3 check.py windows EMULATOR FOLDER EXAMPLES DECODE STREAM [PROGRAM]
 """
 
+import os
 import pathlib
 import re
 import shutil
@@ -45,6 +47,61 @@ def experiment(program, folder):
         run(folder, program, "recommend", "--results", "study", "--rows", "9", "--columns", "16"),
         r"experiment::small_(pooling|striding)<tactnet::shape{(9, 16|7, 13)}, 22>\n$",
     )
+
+
+def windows(emulator, folder, examples, decode, stream, program=None):
+    """What differs there: names with spaces, backslashes and, by the library UCRT, umlauts; bytes that text would change (the end of a
+    file, of a line); no colours; files that are there, or open."""
+    ucrt = b"api-ms-win-crt" in pathlib.Path(decode).read_bytes()
+    name = "Messung am 3. März" if ucrt else "Messung am 3. Mai"
+    place = emptied(folder) / name
+    place.mkdir()
+    os.environ.update(WINEDEBUG="-all", LANG="C.UTF-8")
+
+    def windows_run(*words, status=0, given=None):
+        done = subprocess.run([emulator, *words], cwd=folder, input=given, capture_output=True, check=False)
+        if done.returncode != status or b"\x1b" in done.stdout + done.stderr or b"\r" in done.stdout:
+            sys.exit(f"Expected status {status} of {words}, no colours and lines as elsewhere, found {done.returncode}: "
+                     f"{done.stdout[-500:]} {done.stderr[-500:]}")
+        return (done.stdout + done.stderr).decode()
+
+    frame = [26, 13, 10, 0, 255, 10]
+    (place / "a frame.pgm").write_bytes(b"P5 3 2 255\n" + bytes(frame))
+    expect(windows_run(decode, "--csv", name + "\\a frame.pgm"), r"frame,1,.*\n26,13,10\n0,255,10\n")
+    expect(windows_run(decode, name + "\\none.pgm", status=2), re.escape(name))
+
+    pliers = re.search(r"\{([\d,\s]+)\}", (pathlib.Path(examples) / "recognise/pliers.hpp").read_text())[1]
+    counts = bytes(int(count) for count in pliers.split(",") if count.strip())
+    weights = place / "simulated weights.safetensors"
+    shutil.copy(pathlib.Path(examples) / "recognise/simulated.safetensors", weights)
+    weights_name = f"{name}\\{weights.name}"
+    lines = windows_run(stream, weights_name, given=3 * counts).splitlines()
+    if [line.split()[1] for line in lines[:3]] != 3 * ["pliers"]:
+        sys.exit(f"Expected pliers in three frames, found: {lines}")
+
+    if not program:
+        print("The program tactnet was left out: it needs JPEG and PNG for Windows")
+        return
+    images = name + "\\simulated images"
+    windows_run(program, "simulate", "--out", images, "--per-class", "5")
+    windows_run(program, "check", "--data", images)
+    some = sorted(path for path in (place / "simulated images").rglob("*.png") if path.name.endswith(("0.png", "1.png")))
+    found = windows_run(program, "classify", "--weights", weights_name, "--resize", *(str(path.relative_to(folder)).replace("/", "\\") for path in some))
+    right = sum(row.split(",")[2] == path.parent.name for row, path in zip(found.splitlines(), some))
+    if 2 * right < len(some):
+        sys.exit(f"Expected at least half of {len(some)} images recognised, found {right}: {found}")
+    own = name + "\\own.safetensors"
+    train = [program, "train", "--data", images, "--method", "tactnet4", "--rows", "14", "--columns", "25", "--resize", "--epochs", "2",
+             "--augmentation", "none", "--output", own]
+    windows_run(*train)
+    before = (place / "own.safetensors").read_bytes()
+    expect(windows_run(*train, status=1), "own.safetensors")  # and what is there stays
+    expect(windows_run(program, "evaluate", "--weights", own, "--data", images, "--resize"), "accuracy|Accuracy")
+    windows_run(program, "export", "--weights", own, "--output", name + "\\own.hpp")
+    with open(place / "own.hpp", "rb"):  # by another program
+        windows_run(program, "export", "--weights", own, "--output", name + "\\other.hpp")
+    if (place / "own.hpp").read_bytes() != (place / "other.hpp").read_bytes() or (place / "own.safetensors").read_bytes() != before:
+        sys.exit("Expected the same header twice, and the weights as they were")
 
 
 def rooted(program, folder, source, compiler, *flags):
@@ -116,7 +173,7 @@ def optimised(nm, library, *objects):
                  "examples/tactnet/CMakeLists.txt to tactnet_program_methods.")
 
 
-CHECKS = {check.__name__: check for check in (experiment, rooted, names, optimised)}
+CHECKS = {check.__name__: check for check in (experiment, rooted, names, optimised, windows)}
 
 if __name__ == "__main__":
     CHECKS[sys.argv[1]](*sys.argv[2:])

@@ -168,7 +168,7 @@ struct basic_reflection_rule {
         [[nodiscard]] constexpr std::size_t partner(std::size_t label) const {
             return label < partners.size() ? partners[label] : label;
         }
-        friend constexpr bool operator==(const axis&, const axis&) = default;
+        friend bool operator==(const axis&, const axis&) = default;
     };
     axis rows{}, columns{};
 
@@ -189,7 +189,7 @@ struct basic_reflection_rule {
                 return outputs_of(r)[partner(all_reflections[r], e)];
             });
     }
-    friend constexpr bool operator==(const basic_reflection_rule&, const basic_reflection_rule&) = default;
+    friend bool operator==(const basic_reflection_rule&, const basic_reflection_rule&) = default;
 };
 /// A rule whose partners are kept elsewhere.
 using reflection_rule_view = basic_reflection_rule<std::span<const std::size_t>>;

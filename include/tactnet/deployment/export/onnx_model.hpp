@@ -132,7 +132,7 @@ onnx_model(const Network& network, std::span<const float, Network::input_shape.s
     detail::onnx_graph g;
     detail::onnx_tensor at{"counts"};
     at.name = detail::add_input_function(g, at.name, function);
-    if (std::ranges::any_of(mean, [](float value) { return value != 0; }))
+    if (std::any_of(mean.begin(), mean.end(), [](float value) { return value != 0; }))
         at.name = g.node("Sub", {at.name, g.constant(mean, {1, in.channels, in.rows, in.columns})});
     if (scale != 1)
         at.name = g.node("Mul", {at.name, g.constant(scale)});

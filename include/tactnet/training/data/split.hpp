@@ -272,12 +272,13 @@ inline void check_split(const data_split& split, std::span<const std::size_t> la
         of_class.second = std::ceil(share * of_class.second - 1e-9); // 0.28 of 25 are 7
     split.training.clear();
     for (const std::size_t group : order)
-        if (std::ranges::any_of(members[group], [&](std::size_t i) { return missing[labels[i]] > 0; }))
-            for (const std::size_t sample : members[group]) {
+        if (const auto& of_group = members[group]; std::any_of(
+                of_group.begin(), of_group.end(), [&](std::size_t i) { return missing[labels[i]] > 0; }))
+            for (const std::size_t sample : of_group) {
                 --missing[labels[sample]];
                 split.training.push_back(sample);
             }
-    std::ranges::sort(split.training);
+    std::sort(split.training.begin(), split.training.end());
     return split;
 }
 
