@@ -41,7 +41,7 @@ let nominal = { x: 0, y: 0, force: 8 }; // of the object as it was drawn
 let sceneStart = 0, touchStart = performance.now(), sceneIndex = 0, press = 1, sceneMoves = false;
 let faultsChanged = true, sketchVersion = 1, latest = null, lastSpoken = '', hashTimer = 0;
 // A touch of each object that shows well what it is, and those that the page begins with.
-const SHOWN = [3, 12, 0, 0, 8, 0, 5, 12, 4, 3, 3, 3, 3, 3, 12, 0, 5, 10, 5, 12, 1, 1];
+const SHOWN = [3, 12, 0, 0, 8, 0, 5, 12, 4, 3, 3, 3, 3, 3, 116, 0, 5, 10, 5, 12, 1, 1];
 const SCENE = ['key', 'sticky tape', 'scissors', 'cable pipe', 'pliers', 'hand', 'caliper', 'rubber', 'bottle', 'adhesive'].map((name) => OBJECTS.indexOf(name));
 if (!location.hash) state.object = SCENE[0], state.touch = SHOWN[SCENE[0]];
 

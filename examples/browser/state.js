@@ -39,7 +39,7 @@ const EFFECTS = [
 const LAYER = { name: 'layer', title: 'Elastic layer', says: 'in place of independent springs' };
 
 const defaults = () => ({
-  object: 14, touch: 12, place: null, turn: 0, force: null, network: 4, family: 'TactNet-6', bits: 32,
+  object: 14, touch: 116, place: null, turn: 0, force: null, network: 4, family: 'TactNet-6', bits: 32,
   effects: EFFECTS.map((effect) => Boolean(effect.on)), layer: false, health: true,
   dead: new Set(), stuck: new Set(), strokes: [],
 });

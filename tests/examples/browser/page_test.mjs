@@ -24,17 +24,32 @@ try {
   console.log(`TactNet-6, single precision: ${await first.evaluate(text('time'))} µs per frame`);
   await first.until(`[...document.querySelectorAll('#objects canvas')].every((one) => one.getContext('2d').getImageData(0, 0, 50, 28).data.some((count, i) => i % 4 === 0 && count > 60))`);
 
+  // It stays a key wherever it is dragged to by a quarter of the array.
+  const box = await first.evaluate(`(({ left, top, width, height }) => ({ left, top, width, height }))(document.getElementById('array').getBoundingClientRect())`);
+  const drag = async (from, to) => {
+    await first.mouse('mousePressed', ...at(...from));
+    await first.mouse('mouseMoved', ...at(...to));
+    await first.mouse('mouseReleased', ...at(...to));
+  };
+  const at = (x, y) => [box.left + x * box.width, box.top + y * box.height];
+  const middle = await first.evaluate('[nominal.x / 50 + .5, nominal.y / 28 + .5]');
+  let from = middle;
+  for (const [x, y] of [[.25, 0], [-.25, 0], [0, .25], [0, -.25]]) {
+    const to = [middle[0] + x, middle[1] + y];
+    await drag(from, to);
+    await first.until(`Math.hypot(state.place.x - nominal.x - ${50 * x}, state.place.y - nominal.y - ${28 * y}) < 3`);
+    await new Promise((done) => setTimeout(done, 1000)); // until the answer is that of the new place
+    await first.until(`document.documentElement.dataset.label === 'key' && ${probability} > 50`, 5);
+    from = to;
+  }
+
   // A chosen object, moved by pointer and keys.
   await first.evaluate(`document.querySelector('input[name=object][value="20"]').click()`);
   await first.until(`document.documentElement.dataset.label === 'sticky tape'`);
-  const box = await first.evaluate(`(({ left, top, width, height }) => ({ left, top, width, height }))(document.getElementById('array').getBoundingClientRect())`);
   const brightest = `(() => { const c = document.getElementById('array'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let x = 0, n = 0; for (let i = 0; i < d.length; i += 4) if (d[i] > 200 && d[i + 1] > 60 && d[i + 2] < 120) x += (i / 4) % c.width, ++n; return x / n / c.width; })()`;
   const before = await first.evaluate(brightest);
-  const at = (x, y) => [box.left + x * box.width, box.top + y * box.height];
   const nominal = await first.evaluate('[nominal.x / 50 + .5, nominal.y / 28 + .5]');
-  await first.mouse('mousePressed', ...at(...nominal));
-  await first.mouse('mouseMoved', ...at(nominal[0] + .12, nominal[1]));
-  await first.mouse('mouseReleased', ...at(nominal[0] + .12, nominal[1]));
+  await drag(nominal, [nominal[0] + .12, nominal[1]]);
   await first.until(`${brightest} > ${before} + .06`);
   await first.evaluate(`document.getElementById('array').focus()`);
   for (let i = 0; i < 6; ++i) await first.key('ArrowLeft');
