@@ -2,10 +2,13 @@
 
 #include <tactnet/detail/config.hpp>
 
+#include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <type_traits>
 
-// Sizes divided into blocks, among threads and into cache lines, and bits read as another type.
+// Sizes divided into blocks, among threads and into cache lines, and bits read as another type or in the
+// other order.
 
 namespace tactnet { inline namespace TACTNET_ARCH {
 
@@ -35,6 +38,22 @@ template <class To, class From>
              std::is_trivially_copyable_v<From>)
 [[nodiscard]] constexpr To bits_as(const From& value) noexcept {
     return __builtin_bit_cast(To, value);
+}
+
+/// std::byteswap, which is newer than this library's C++: the bytes in the other order. Compilers make one
+/// instruction of it.
+template <std::unsigned_integral T>
+    requires(sizeof(T) <= 8)
+[[nodiscard]] constexpr T byte_swapped(T value) noexcept {
+    if constexpr (sizeof(T) == 8)
+        return T{byte_swapped(static_cast<std::uint32_t>(value))} << 32U |
+               byte_swapped(static_cast<std::uint32_t>(value >> 32U));
+    else if constexpr (sizeof(T) == 4)
+        return value >> 24U | (value >> 8U & 0xff00U) | (value << 8U & 0xff0000U) | value << 24U;
+    else if constexpr (sizeof(T) == 2)
+        return static_cast<T>(value << 8U | value >> 8U);
+    else
+        return value;
 }
 
 } // namespace detail

@@ -93,7 +93,7 @@ template <class Values>
 check_byte_order(const safetensors_index& file, std::string_view name, std::span<const float> values) {
     std::size_t nonzero = 0, huge = 0, usual = 0;
     for (const float value : values) {
-        const float reversed = std::abs(bits_as<float>(__builtin_bswap32(bits_as<std::uint32_t>(value))));
+        const float reversed = std::abs(bits_as<float>(byte_swapped(bits_as<std::uint32_t>(value))));
         nonzero += value != 0;
         huge += !(std::abs(value) < 1e9f);
         usual += reversed > 1e-9f && reversed < 1e9f;

@@ -147,13 +147,7 @@ private:
                                         std::conditional_t<sizeof(Cell) == 2, std::uint16_t, word>>;
         bits value;
         std::memcpy(&value, from + i * sizeof(Cell), sizeof(Cell));
-        if constexpr (Swap && sizeof(Cell) == 2)
-            value = static_cast<bits>(value << 8U | value >> 8U);
-        else if constexpr (Swap && sizeof(Cell) == 4)
-            value = __builtin_bswap32(value);
-        else if constexpr (Swap && sizeof(Cell) == 8)
-            value = __builtin_bswap64(value);
-        return detail::bits_as<Cell>(value);
+        return detail::bits_as<Cell>(Swap ? detail::byte_swapped(value) : value);
     }
 
     template <class Cell, bool Swap>
