@@ -116,8 +116,10 @@ TEST_CASE_TEMPLATE("deployed_stream: in 8 bits, close to single precision", Netw
     // Measured: 0.62 % of the classifier, 0.21 to 0.41 % of the others.
     CHECK(error < 0.015);
     CHECK(error > 0);
-    static_assert(deployed_stream<Network, eight_bit>::weight_bytes <
-                  0.7 * deployed_stream<Network>::weight_bytes);
+    // Where instructions multiply words, weights have 16 bits, and channels are padded to whole registers.
+    static_assert(sizeof(kernels::byte_products<kernels::max_integer_lanes>::weight) == 2 ||
+                  deployed_stream<Network, eight_bit>::weight_bytes <
+                      0.7 * deployed_stream<Network>::weight_bytes);
     static_assert(deployed_stream<Network, eight_bit>::state_bytes < deployed_stream<Network>::state_bytes);
 }
 
