@@ -88,17 +88,17 @@ def expect_at_most(what, flash, ram, found):
 
 
 def compare_with_page(rows):
-    """What stands on the page must be this table, each number within 5 %: compilers differ, and a table is not written anew for every
+    """What stands on the page must be these tables, each number within 5 %: compilers differ, and a table is not written anew for every
     change."""
     text = page.read_text()
     before, begin, rest = text.partition(BEGIN)
     old, end, after = rest.partition(END)
     if not begin or not end:
         sys.exit(f"microcontroller: {page}: expected '{BEGIN}' and '{END}' behind it.")
-    there = dict(re.findall(r"^(\| [\w, +-]+ \|)(.*\n)", old, re.M))
-    table = ("| TactNet-4, 14 × 25 | 8 bits: flash, kB | RAM, kB | thousand instructions | single precision: flash, kB | RAM, kB "
-             "| thousand instructions |\n|---|---|---|---|---|---|---|\n")
-    table += "".join(what + (row or there.get(what, "\n")) for what, row in rows.items())
+    there = [dict(re.findall(r"^(\| [\w, +-]+ \|)(.*\n)", each + "\n", re.M)) for each in old.split("\n\n")]
+    table = "\n".join(f"| TactNet-4 14 × 25, {form} | flash, kB | RAM, kB | thousand instructions |\n|---|---|---|---|\n" +
+                      "".join(what + (row or known.get(what, "\n")) for what, row in of_form.items())
+                      for (form, of_form), known in zip(rows.items(), there))
     if "--write" in sys.argv:
         page.write_text(before + begin + table + end + after)
         return
@@ -113,23 +113,23 @@ def compare_with_page(rows):
 
 if __name__ == "__main__":
     pathlib.Path(folder).mkdir(parents=True, exist_ok=True)
-    rows = {}
+    rows = {"8 bits": {}, "single precision": {}}
     for processor in TICKS:
         title = f"| {processor.title().replace('Plus', '+') if processor.startswith('cortex') else 'RISC-V, RV32IMC'} |"
-        rows[title] = ""
+        for of_form in rows.values():
+            of_form[title] = ""
         if processor.startswith("rv") and riscv == "-":
             print("RISC-V is left out: there is no riscv64-unknown-elf-g++ with a C++ library (Debian 13: libstdc++-riscv64-unknown-elf-picolibc)")
             continue
         forms = {form: build("firmware", processor, "-O2", form) for form in ("eight_bit", "single_precision")}
         if processor in ("cortex-m4", "cortex-m7", "cortex-m55"):
             expect_at_most(f"in 8 bits on {processor}", 24000, 16000, build("firmware", processor, "-Os", "eight_bit"))
-        for form, (flash, ram, instructions) in forms.items():
-            rows[title] += f" {flash / 1000:.1f} | {ram / 1000:.1f} | {f'{(instructions + 500) // 1000:,}'.replace(',', ' ')} |"
+        for of_form, (form, (flash, ram, instructions)) in zip(rows.values(), forms.items()):
+            of_form[title] = f" {flash / 1000:.1f} | {ram / 1000:.1f} | {f'{(instructions + 500) // 1000:,}'.replace(',', ' ')} |\n"
             if processor in ("cortex-m7", "cortex-m55") and clang != "-" and emulator != "-":
                 other = build("firmware", processor, "-O2", form, by=clang)
                 if other[2] > 1.2 * instructions:
                     sys.exit(f"microcontroller: {clang} makes {other[2]} instructions of {form} on {processor}, {compiler} {instructions}: expected at most 1.2 times")
-        rows[title] += "\n"
     # A GRU of 16 units for 3 features, frame by frame.
     for form in ("stream", "stream_eight_bit"):
         expect_at_most("for a stream", 16000, 8000, build("stream", "cortex-m7", "-Os", form))
