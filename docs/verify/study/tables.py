@@ -159,13 +159,11 @@ def speed(name):
         lines = []
         for label, batch, kind in (("one frame", "1", ""), ("batches of 64", "64", ""), ("8 bits, one frame", "1", "_8bit"),
                                    ("8 bits, batches of 64", "64", "_8bit")):
-            cells = []
             for processor in PROCESSORS:
                 ratios = {network: float(row["ratio"]) for network, row in inference(processor, batch, kind).items()}
                 least = min(ratios, key=ratios.get)
-                cells.append(f"{statistics.geometric_mean(ratios.values()):.2f}; {ratios[least]:.2f} ({title(least)})")
-            lines.append(f"| {label} | {' | '.join(cells)} |")
-        return table_of(f"| oneDNN ÷ tactnet: mean; least | {' | '.join(PROCESSORS)} |", lines)
+                lines.append(f"| {label} | {processor} | {statistics.geometric_mean(ratios.values()):.2f} | {ratios[least]:.2f} | {title(least)} |")
+        return table_of("| oneDNN ÷ tactnet | processor | mean | least | for |", lines)
     if name.startswith("cold"):
         rows = {(row["network"], row["library"]): row for row in read(newest("zen5", "cold.csv")) if row["format"] == name[5:]}
         lines = []
@@ -173,14 +171,14 @@ def speed(name):
             if library == "tactnet":
                 warm, cold, their_warm, their_cold = (float(row[when]) for row in (ours, rows[network, "onednn"]) for when in ("warm_us", "cold_us"))
                 lines.append(f"| {title(network)} | {int(ours['packed_bytes']) / 1000:.0f} | {cold:.3g} | {cold / warm:.1f} | "
-                             f"{their_cold:.3g} | {their_warm / warm:.2f} | {their_cold / cold:.2f} |")
-        return table_of("| one frame | packed, kB | tactnet cold, µs | cold ÷ warm | oneDNN cold, µs | oneDNN ÷ tactnet: warm | cold |", lines)
-    lines = []
-    for network, four in inference("Zen 4").items():
-        cells = [four[f"{library}_us"] for library in ("tactnet", "onednn", "onnxruntime")] + [
-            f"{float(inference(processor)[network]['ratio']):.2f}" for processor in PROCESSORS]
-        lines.append(f"| {title(network)} | {' | '.join(cells)} |")
-    return table_of("| batch 1 | Zen 4: tactnet, µs | oneDNN, µs | ONNX Runtime, µs | oneDNN ÷ tactnet: Zen 4 | Zen 5 | Xeon |", lines)
+                             f"{their_warm / warm:.2f} | {their_cold / cold:.2f} |")
+        return table_of("| one frame | packed, kB | cold, µs | cold ÷ warm | oneDNN ÷ tactnet: warm | cold |", lines)
+    times, ratios = [], []
+    for network, row in inference("Zen 4").items():
+        times.append(" | ".join([f"| {title(network)}", *(row[f"{library}_us"] for library in ("tactnet", "onednn", "onnxruntime"))]) + " |")
+        ratios.append(" | ".join([f"| {title(network)}", *(f"{float(inference(each)[network]['ratio']):.2f}" for each in PROCESSORS)]) + " |")
+    return (table_of("| µs per frame, Zen 4 | tactnet | oneDNN | ONNX Runtime |", times) + "\n" +
+            table_of(f"| oneDNN ÷ tactnet | {' | '.join(PROCESSORS)} |", ratios))
 
 
 def choice():
