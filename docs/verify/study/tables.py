@@ -1,6 +1,6 @@
 """Puts measured figures into the documentation; none is typed. Results of `tactnet study` become docs/verify/study and the tables between
 the comments `<!-- study NAME -->` and `<!-- study NAME ends -->` of pages; times of benchmark_inference and benchmark_cold those between `<!-- speed NAME -->`
-comments. Tables that are not in study.md are rows and columns of its table of all methods. README.md quotes some figures: they are compared.
+comments. Most are rows and columns of study.csv. README.md quotes some figures: they are compared.
 
     python3 docs/verify/study/tables.py                       writes the tables into the pages again
     python3 docs/verify/study/tables.py --check [ROOT]        fails if they differ
@@ -23,29 +23,32 @@ import tarfile
 CHECK = sys.argv[1:2] == ["--check"]
 ROOT = pathlib.Path(sys.argv[2]) if CHECK and len(sys.argv) > 2 else pathlib.Path(__file__).resolve().parents[3]
 KEPT = ROOT / "docs/verify/study"
+PAGE = "docs/verify/study/study.md"
 
 
 def take_over(results, archive):
     results = pathlib.Path(results)
     shutil.copy(results / "study.csv", KEPT)
-    page = re.sub("^# .*", "# All methods: the tables of the study", (results / "study.md").read_text())
-    (KEPT / "study.md").write_text(re.sub(r"\n!\[.*\n\n.*\n", "", page))  # docs/pictures has pictures in the pages' style
+    page = (results / "study.md").read_text()
+    put(PAGE, "study front", re.sub(r"[^|]+[|]\n", "\n", section(page, "study front", results)))  # without the types in C++
+    put(PAGE, "study memory", section(page, "study memory", results))
+    print(f"{PAGE}: its words on images, machine, compiler, version and date are to be those of:", page.split("\n\n")[1], sep="\n")
     with tarfile.open(archive, "w:xz", format=tarfile.GNU_FORMAT) as file:
         for name in ("evaluation.jsonl", "timings.jsonl", "study.jsonl"):
             file.add(results / name, name)
     subprocess.run([ROOT / "scripts/pictures", "accuracy_and_time"], check=True)
 
 
-def between(page, mark):
+def section(text, mark, page):
     """The text between two comments of a page."""
-    found = re.search(rf"<!-- {mark} -->\n(.*?)<!-- {mark} ends -->", (ROOT / page).read_text(), re.S)
+    found = re.search(rf"<!-- {mark} -->\n(.*?)<!-- {mark} ends -->", text, re.S)
     if not found:
         sys.exit(f"tables.py: {page}: expected '<!-- {mark} -->' and after it '<!-- {mark} ends -->', found only one of them, or none.")
     return found[1]
 
 
 def put(page, mark, table):
-    old = between(page, mark)
+    old = section((ROOT / page).read_text(), mark, page)
     if old == table:
         return
     if CHECK:
@@ -62,9 +65,22 @@ def table_of(head, rows):
 
 
 def study_rows():
-    """The cells of the table of all methods, from 1: method, tactels, recipe, random splits, the same with reflections averaged, blocked
-    splits, paper, µs, p99, ms of the paper, parameters, multiply-adds, training."""
-    return [line.split("|") for line in re.findall("^[|] (?!method )[a-z].*", between("docs/verify/study/study.md", "study methods"), re.M)]
+    """The rows of study.csv as cells, from 1: method, tactels, recipe, random splits, the same with reflections averaged, blocked splits,
+    paper, µs, p99, ms of the paper, parameters, multiply-adds, training."""
+    with open(KEPT / "study.csv", encoding="utf-8") as file:
+        found = list(csv.DictReader(file))
+
+    def percent(row, name, splits=""):
+        mean, deviation, count = (row.get(f"{name}_{what}", "") for what in ("accuracy", "deviation", "splits"))
+        return f" {100 * float(mean):.2f} ± {100 * float(deviation):.2f}{f' ({count})' if splits else ''} " if mean else " "
+
+    def number(text, digits=None, scale=1.0):
+        return f" {float(text) / scale:.{digits}f} " if text and digits is not None else f" {int(text):,} ".replace(",", " ") if text else " "
+
+    return [["", f" {row['method']}{' in 8 bits' if row['bits'] == '8' else ''} ", f" {row['rows']} × {row['columns']} ", f" {row['recipe']} ",
+             percent(row, "random", "with"), percent(row, "random_reflected", "with"), percent(row, "blocked", "with"), percent(row, "published"),
+             number(row["microseconds"], 1), number(row["microseconds_p99"], 1), number(row["published_microseconds"], 0, 1000.0),
+             number(row["parameters"]), number(row["multiply_adds"]), number(row["training_seconds"], 1), "\n"] for row in found]
 
 
 def study(name):
@@ -74,16 +90,24 @@ def study(name):
     def rows(chosen, columns):
         return ["|" + "|".join(row[column] for column in columns) + "|" for row in chosen]
 
+    def with_titles(chosen):
+        return [["", f"{row[1]}at {row[2].strip()}{'' if row[3] == ' default ' else f',{row[3]}recipe'.replace('  ', ' ')} ", *row[2:]] for row in chosen]
+
     if name == "best":
         wanted = ("tactnet4 in 8 bits | 7 × 13 | default", "tactnet6-economical | 14 × 25 | default", "tactnet6 | 28 × 50 | default",
                   "tactnet6 | 28 × 50 | thorough", "squeezenet-pooled-svm | 28 × 50 | default")
         chosen = [row for key in wanted for row in methods if row[1:4] == f" {key} ".split("|")]
-        head = "| method | tactels | recipe | random splits, % | blocked splits, % | µs per frame | parameters |"
-        return table_of(head, rows(chosen, (1, 2, 3, 4, 6, 8, 11)))
+        return table_of("| method | random splits, % | blocked splits, % | µs per frame |", rows(with_titles(chosen), (1, 4, 6, 8)))
+    if name == "methods":
+        chosen = with_titles(row for row in methods if row[4] != " ")
+        return table_of("| method | random splits, % | the same, reflections averaged, % | blocked splits, % |", rows(chosen, (1, 4, 5, 6)))
+    if name == "costs":
+        chosen = with_titles(row for row in methods if row[8] != " ")
+        return table_of("| method | µs per frame | p99 | parameters | multiply-adds | training, s |", rows(chosen, (1, 8, 9, 11, 12, 13)))
     if name == "compared":
         chosen = [row for row in methods if row[4] != " " and row[7] != " " and row[3] != " default "]
         return table_of("| method | tactels | recipe | paper, % | tactnet, % |", rows(chosen, (1, 2, 3, 7, 4)))
-    return between("docs/verify/study/study.md", f"study {name}")
+    return section((ROOT / PAGE).read_text(), f"study {name}", PAGE)
 
 
 def paper_methods():
@@ -300,6 +324,8 @@ if not CHECK and len(sys.argv) == 3:
     take_over(*sys.argv[1:])
 put("docs/choosing.md", "choice", choice())
 put("docs/verify/study/tactels.md", "sizes", sizes())
+for table in ("methods", "costs"):
+    put(PAGE, f"study {table}", study(table))
 for table in ("best", "compared", "memory"):
     put("docs/verify/results.md", f"study {table}", study(table))
 put("docs/verify/results.md", "paper methods", paper_methods())
@@ -314,10 +340,10 @@ for table in ("libraries", "rivals", "boards"):
 large = (r"\n[|] tactnet6, thorough recipe [|] 28 × 50 [|] ([0-9.]+) [|] ([0-9.]+) ± ([0-9.]+) [(]20[)] [|] ([0-9.]+) ± ([0-9.]+) ")
 large_bytes, small, small_bytes = (rf"\n[|] {key} [|] ([0-9.]+) " for key in (
     "tactnet6 in 8 bits [|] 28 × 50", "tactnet4 [|] 7 × 13", "tactnet4 in 8 bits [|] 7 × 13"))
-page_of_study = "docs/verify/study/study.md"
-expect(page_of_study, large, "README.md", "TactNet-6 takes {1} µs per frame", "TactNet-6 recognises {4} %", "and {2} % if they are not",
+expect(PAGE, large, "README.md", "TactNet-6 takes {1} µs per frame", "TactNet-6 recognises {4} %", "and {2} % if they are not",
        "| {4} ± {5} % | {2} ± {3} % |")
-expect(page_of_study, small_bytes, "README.md", "the smallest network {1} µs")
+expect(PAGE, large, "docs/verify/results.md", "{4} % of test images on blocked splits and {2} % on random ones")
+expect(PAGE, small_bytes, "README.md", "the smallest network {1} µs")
 expect("docs/recognise/deployment.md", r"Cortex-M7 [|] ([0-9.]+) [|] ([0-9.]+) [|]", "README.md",
        "{1} kB of flash and {2} kB of RAM on an emulated Cortex-M7")
 for board, core in (("Teensy 4", "Cortex-M7"), ("ESP32-C3", "RISC-V, RV32IMC")):
@@ -327,24 +353,24 @@ for page, words in (("docs/faq.md", "TactNet-6 takes [{1} µs]"), ("docs/recogni
                     ("docs/recognise/speed.md", "{1} µs for TactNet-6 at 28 × 50"), ("docs/train/transfer.md", "It takes {1} µs per frame"),
                     ("docs/recognise/eight_bit.md", "| Zen 5, AVX-512 with VNNI, µs per frame | {1} |"),
                     ("docs/recognise/speed.md", "TactNet-6 at 28 × 50 takes {1:.0f} to")):
-    expect(page_of_study, large, page, words)
-expect(page_of_study, large_bytes, "docs/faq.md", "and {1} µs in 8 bits")
-expect(page_of_study, large_bytes, "docs/recognise/eight_bit.md", "| {1} | [study]")
-expect(page_of_study, small, "docs/recognise/deployment.md", "TactNet-4 takes {1} µs at 7 × 13")
-expect(page_of_study, small, "docs/recognise/speed.md", "TactNet-4 takes {1} to")
+    expect(PAGE, large, page, words)
+expect(PAGE, large_bytes, "docs/faq.md", "and {1} µs in 8 bits")
+expect(PAGE, large_bytes, "docs/recognise/eight_bit.md", "| {1} | [study]")
+expect(PAGE, small, "docs/recognise/deployment.md", "TactNet-4 takes {1} µs at 7 × 13")
+expect(PAGE, small, "docs/recognise/speed.md", "TactNet-4 takes {1} to")
 forms = {" ".join(cell.strip() for cell in row[1:3]): row for row in study_rows() if row[3] == " default "}
 for network, size in (("6", "28 × 50"), ("4", "28 × 50"), ("4", "14 × 25"), ("4", "7 × 13")):
     shares = [forms[f"tactnet{network}{form} {size}"][column].split()[0] for form in ("", " in 8 bits") for column in (4, 6)]
-    quote_figures("docs/recognise/eight_bit.md", shares, f"| TactNet-{network}, {size} | {{0}} %, {{1}} % | {{2}} %, {{3}} % |")
+    quote_figures("docs/recognise/eight_bit.md", shares, f"| TactNet-{network}, {size} | {{0}} | {{2}} | {{1}} | {{3}} |")
 quote_figures("docs/recognise/speed.md", [forms[f"tactnet6-economical {size}"][8].strip() for size in ("10 × 18", "7 × 13")],
               "takes {0} µs and {1} µs on Zen 5")
 zen4 = {batch: inference("Zen 4", batch) for batch in ("1", "64")}
 quote_figures("docs/recognise/speed.md", [zen4["1"]["tactnet4/28x50"]["tactnet_us"], zen4["1"]["tactnet6/28x50"]["tactnet_us"]],
-              "to {0:.0f} µs per frame, depending on its size and the processor", "to {1:.0f} µs. oneDNN")
+              "to {0:.0f} µs per frame, depending on its size and the processor", "to {1:.0f} µs. - oneDNN")
 means = [statistics.geometric_mean(float(row["ratio"]) for row in inference(processor).values()) for processor in PROCESSORS]
 quote_figures("docs/recognise/speed.md", [min(means), max(means)], "takes {0:.1f} to {1:.1f} times as long on average")
 calls = [float(row["cold_us"]) / float(row["warm_us"]) for row in read(newest("zen5", "cold.csv")) if row["library"] == "tactnet"]
-quote_figures("docs/recognise/speed.md", [min(calls), max(calls)], "waits {0:.0f} to 6 times as long per call, and up to {1:.0f} times for the smallest")
+quote_figures("docs/recognise/speed.md", [min(calls), max(calls)], "takes {0:.0f} to 6 times as long, and up to {1:.0f} times for the smallest")
 quote_figures("docs/choosing.md", [zen4["64"]["tactnet6/28x50"][library] for library in ("libtorch_us", "tactnet_us")],
               "it takes {0:.0f} µs per frame, and tactnet {1:.1f} µs")
 alone = newest("zen5", "large_networks.csv")
@@ -390,4 +416,4 @@ six = {row["class"] + row["image"]: row for row in read("unrecognised.csv", "doc
 quote_figures("docs/verify/results.md", [six[image][key] for image, key in (("pen22", "length"), ("pen24", "class_length"), ("tube21", "class_length"))],
               "cuts them to {0:.0f} tactels", "longer than {1:.0f}, and half of all tubes longer than {2:.0f}")
 check_confusion()
-check_times(re.search(large, (ROOT / page_of_study).read_text())[1])
+check_times(re.search(large, (ROOT / PAGE).read_text())[1])
