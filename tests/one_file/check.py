@@ -31,11 +31,14 @@ def same_bytes(script, folder):
         text = pathlib.Path(folder, "once", name).read_text()
         if text != pathlib.Path(folder, "twice", name).read_text():
             sys.exit(f"{name}: expected the same bytes from the same sources, found others")
-        # A line that needs a second file would stop a reader who pastes it.
-        own = re.findall(r'^ *# *include +[<"]tactnet/.*', text, re.M)
         head = "\n".join(text.splitlines()[:12])
-        if own or not re.search(r"tactnet [0-9]+\.[0-9]+\.[0-9]+.*MIT License", head, re.S):
-            sys.exit(f"{name}: expected version and licence, and no header of its own beside it; found {own}")
+        if not re.search(r"tactnet [0-9]+\.[0-9]+\.[0-9]+.*MIT License", head, re.S):
+            sys.exit(f"{name}: expected version and licence; found {head}")
+    for umbrella in sorted(pathlib.Path(script).parent.parent.glob("include/tactnet/*.hpp")):
+        subprocess.run([sys.executable, script, f"tactnet/{umbrella.name}", "--out", f"{folder}/once/{umbrella.name}"], check=True)
+        # A line that needs a second file would stop a reader who pastes it.
+        if own := re.findall(r'^ *# *include +[<"]tactnet/.*', pathlib.Path(folder, "once", umbrella.name).read_text(), re.M):
+            sys.exit(f"{umbrella.name}: expected no header of its own beside it; found {own}")
     nowhere = subprocess.run([sys.executable, script, "tactnet/nowhere.hpp", "--out", f"{folder}/nowhere.hpp"], capture_output=True, text=True,
                              check=False)
     if not nowhere.returncode or "found no 'tactnet/nowhere.hpp'" not in nowhere.stderr:

@@ -95,7 +95,7 @@ def same_bits(program):
     for wrong, *parts in ((dict(labels=labels + 0.7), "float64"), (dict(labels=labels - 1), "from -1 on"), (dict(labels=labels[:, None]), "(60, 1)"),
                           (dict(frames=frames + 1j), "complex128"), (dict(frames=frames.astype(str)), "real numbers"), (dict(validation=[1.7]), "mask", "float64"),
                           (dict(validation=[-1]), "from -1 on"), (dict(classes=list("aabcd")), "each once"), (dict(classes=["a", "b\n", "c", "d", "e"]), "each once"),
-                          (dict(classes=list("abcd") + [""]), "''"), (dict(epoch=3), "'epoch'"),
+                          (dict(classes=list("abcd") + [""]), "''"), (dict(epoch=3), "'epoch'", "reflect_rows"),
                           (dict(rate=-1.0), "finite rate"), (dict(translation=numpy.nan), "finite translation"), (dict(rotation=numpy.inf), "finite rotation")):
         message(ValueError, lambda: network.fit(**{"frames": frames, "labels": labels, **wrong}), *parts)
     mask = numpy.arange(60) % 7 == 0

@@ -416,4 +416,19 @@ TEST_CASE("trainer: images that do not fit the network are refused, in training 
     never.validate_every = 0;
     refused(setup.task.images(), never);
     CHECK_NOTHROW(setup.begin());
+    setup.how.epochs = static_cast<std::size_t>(-5);
+    CHECK_THROWS_WITH_AS(setup.begin(),
+                         "trainer: expected at most 1000000000 epochs, found 18446744073709551611",
+                         std::invalid_argument);
+}
+
+TEST_CASE("trainer: a model has the names of all classes, or none yet") {
+    toy_setup setup{4};
+    const training t = setup.begin();
+    CHECK(t.trained({}).classes.empty());
+    CHECK(t.trained({"a", "b", "c"}).classes.size() == 3);
+    CHECK_THROWS_WITH_AS(static_cast<void>(t.trained({"a", "b"})),
+                         "trained: expected the names of all 3 classes of the samples, or none, found 2",
+                         std::invalid_argument);
+    CHECK_THROWS_AS(static_cast<void>(t.trained({"a", "b", "c", "d"})), std::invalid_argument);
 }

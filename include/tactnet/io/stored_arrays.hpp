@@ -122,7 +122,8 @@ inline void check_values(const safetensors_index& file, std::string_view name,
 
 [[gnu::cold]] inline void check_classes(const char* where, std::size_t classes, std::size_t outputs) {
     if (classes == 0 || classes > outputs)
-        throw std::invalid_argument(joined({where, ": classes must be 1 to ", outputs}));
+        throw std::invalid_argument(
+            joined({where, ": expected the names of 1 to ", outputs, " classes, found ", classes}));
 }
 
 /// Collects the arrays of a file that differ from the network's, and throws one error for all. It lists the

@@ -86,6 +86,7 @@ public:
     [[nodiscard]] bool finished() const { return progress_.stopped || history().size() >= how_.epochs; }
     [[nodiscard]] const std::vector<epoch_report>& history() const { return progress_.history; }
     [[nodiscard]] std::size_t samples_per_epoch() const { return shown_.size(); }
+    [[nodiscard]] std::size_t classes() const { return samples_.classes(); }
     /// The network with the smallest validation loss so far, smoothed over a few validations. The latest if
     /// there are no validation images, or if the recipe keeps the last.
     [[nodiscard]] const trainable& best() const {

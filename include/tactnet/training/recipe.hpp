@@ -188,6 +188,8 @@ struct recipe {
     void check() const {
         if (validate_every == 0)
             throw std::invalid_argument("trainer: expected a validation every 1 or more epochs, found 0");
+        if (epochs > 1'000'000'000) // a negative number, converted
+            detail::throw_invalid_argument({"trainer: expected at most 1000000000 epochs, found ", epochs});
         if (!function.valid())
             detail::throw_invalid_argument(
                 {"trainer: expected an input function with a knee from 0.001 to 1000000, found ",

@@ -35,9 +35,12 @@ public:
     [[nodiscard]] const Network& latest() const { return network_of(training_loop::latest()); }
     [[nodiscard]] const normalisation<input>& input_normalisation() const { return normalise_; }
 
-    /// The best network with all that it takes to deploy and save it. `classes` are the names of the first
-    /// outputs, in order.
+    /// The best network with all that it takes to deploy and save it. `classes` are the names of the samples'
+    /// classes, in order, or none yet. Throws std::invalid_argument for names of some of them, or of more.
     [[nodiscard]] model<Network> trained(std::vector<std::string> classes) const {
+        if (!classes.empty() && classes.size() != training_loop::classes())
+            detail::throw_invalid_argument({"trained: expected the names of all ", training_loop::classes(),
+                                            " classes of the samples, or none, found ", classes.size()});
         return {best(), normalise_, std::move(classes), 1, reflections()};
     }
 
