@@ -227,18 +227,18 @@ def choice():
 
 def sizes():
     """Accuracy and time of three networks at twenty sizes; time as a share of the largest network's."""
-    rows = {(row["method"], row["rows"], row["columns"]): row for row in read("zen4/2026-11-26/sweep.csv") if row["bits"] == "32"}
+    rows = {(row["method"], row["rows"], row["columns"]): row for row in read(newest("zen4", "sweep.csv")) if row["bits"] == "32"}
     largest = float(rows["tactnet6-economical", "28", "50"]["microseconds"])
-    lines = []
-    for method, height, width in rows:
-        if method == "tactnet4":
-            line = f"| {height} × {width} | {int(height) * int(width)} "
-            for name in ("tactnet4", "tactnet6-economical", "tactnet4-strided"):
-                row = rows[name, height, width]
-                line += (f"| {100 * float(row['random_accuracy']):.1f}, {100 * float(row['blocked_accuracy']):.1f} "
-                         f"| {float(row['microseconds']) / largest:.2f} ")
-            lines.append(line + "|")
-    return table_of("| size | tactels | TactNet-4, % | time | TactNet-6 economical, % | time | TactNet-4 strided, % | time |", lines)
+    networks = ("tactnet4", "tactnet6-economical", "tactnet4-strided")
+
+    def table(head, title, cell):
+        return table_of(f"| {head} | TactNet-4 | TactNet-6 economical | TactNet-4 strided |", [
+            " | ".join([f"| {title(int(height), int(width))}", *(cell(rows[name, height, width]) for name in networks)]) + " |"
+            for method, height, width in rows if method == networks[0]])
+
+    accuracy = table("accuracy, %", lambda height, width: f"{height} × {width} = {height * width}",
+                     lambda row: f"{100 * float(row['random_accuracy']):.1f}, {100 * float(row['blocked_accuracy']):.1f}")
+    return accuracy + "\n" + table("time, share", "{} × {}".format, lambda row: f"{float(row['microseconds']) / largest:.2f}")
 
 
 def mat():
