@@ -154,10 +154,14 @@ PROCESSORS = {"Zen 4": "zen4", "Zen 5": "zen5", "Xeon with AMX": "xeon"}
 
 
 def inference(processor, batch="1", kind=""):
-    """What benchmark_inference measured on a processor: its rows by network."""
-    rows = read(newest(PROCESSORS[processor], f"inference{kind}.csv"))
-    network, of = list(rows[0])[:2]
-    return {row[network]: row for row in rows if row[of] == batch and re.fullmatch("[a-z0-9]+/[0-9]+x[0-9]+", row[network])}
+    """What benchmark_inference measured last on a processor: its rows by network."""
+    names = (f"inference{kind}.csv", "eight_bit_networks.csv" if kind else "")
+    for path in sorted((ROOT / "benchmarks/results" / PROCESSORS[processor]).glob("*/*.csv"), reverse=True):
+        rows = read(path.relative_to(ROOT / "benchmarks/results")) if path.name in names else [{}]
+        network, of = (*rows[0], "", "")[:2]
+        if found := {row[network]: row for row in rows if row.get(of) == batch and re.fullmatch("[a-z0-9]+/[0-9]+x[0-9]+", row[network])}:
+            return found
+    sys.exit(f"tables.py: benchmarks/results: expected a file of {names} with batch {batch} for {processor}, found none.")
 
 
 def speed(name):
