@@ -1,8 +1,9 @@
 """Puts measured figures into the documentation; none is typed. Results of `tactnet study` become docs/verify/study and the tables between
 the comments `<!-- study NAME -->` and `<!-- study NAME ends -->` of pages; times of benchmark_inference and benchmark_cold those between `<!-- speed NAME -->`
-comments. Most are rows and columns of study.csv. README.md quotes some figures: they are compared.
+comments. Most are rows and columns of study.csv. Sentences of pages quote figures: they are compared, and written again where one place fits.
+Of results of a kind, the newest of a processor counts.
 
-    python3 docs/verify/study/tables.py                       writes the tables into the pages again
+    python3 docs/verify/study/tables.py                       writes tables and figures into the pages again
     python3 docs/verify/study/tables.py --check [ROOT]        fails if they differ
     python3 docs/verify/study/tables.py RESULTS ARCHIVE       takes over a folder of results; all rows, trainings and timings go into the
                                      archive, such as benchmarks/results/zen5/2026-11-24/study.tar.xz
