@@ -34,6 +34,8 @@ def same_bytes(script, folder):
         head = "\n".join(text.splitlines()[:12])
         if not re.search(r"tactnet [0-9]+\.[0-9]+\.[0-9]+.*MIT License", head, re.S):
             sys.exit(f"{name}: expected version and licence; found {head}")
+        if "cannot be mixed" not in text.partition("// ---- ")[0]:
+            sys.exit(f"{name}: expected a refusal of headers of include/ before the first header, found none")
     for umbrella in sorted(pathlib.Path(script).parent.parent.glob("include/tactnet/*.hpp")):
         subprocess.run([sys.executable, script, f"tactnet/{umbrella.name}", "--out", f"{folder}/once/{umbrella.name}"], check=True)
         # A line that needs a second file would stop a reader who pastes it.
