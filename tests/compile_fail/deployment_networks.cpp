@@ -46,6 +46,13 @@ using net = network<shape{5, 4, 1}, conv2d<2, 3>, activation<bounded_relu_functi
 auto deployed = deploy(net{});
 #endif
 
+#ifdef CASE_eight_bits_without_images
+// expect: deploy<eight_bit>: pass training images after the model: they set the activation ranges
+// at-most: 2
+using net = network<shape{5, 4, 1}, conv2d<2, 3>, dense<3>>;
+const auto made = deploy<eight_bit>(model<net>{});
+#endif
+
 #ifdef CASE_residual_does_nothing
 // expect: deploy: the main branch of a residual block must do something in inference
 // characters: 30000

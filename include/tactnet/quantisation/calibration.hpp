@@ -263,5 +263,12 @@ template <class Format, class Network>
     network.set_reflections(trained.reflections);
     return network;
 }
+/// Without images it does not compile, and the error says so.
+template <class Format, class Network>
+    requires std::is_same_v<Format, eight_bit>
+deployed<Network, eight_bit> deploy(const model<Network>&) {
+    static_assert(std::is_void_v<Network>,
+                  "deploy<eight_bit>: pass training images after the model: they set the activation ranges");
+}
 
 }} // namespace tactnet
