@@ -14,7 +14,6 @@ import json
 import math
 import pathlib
 import re
-import shutil
 import statistics
 import string
 import subprocess
@@ -29,10 +28,17 @@ PAGE = "docs/verify/study/study.md"
 
 def take_over(results, archive):
     results = pathlib.Path(results)
-    shutil.copy(results / "study.csv", KEPT)
+    kept, taken = read("study.csv", KEPT), read("study.csv", results)
+    with open(KEPT / "study.csv", "w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, [*dict.fromkeys([*taken[0], *kept[0]])], lineterminator="\n")
+        writer.writeheader()
+        # A method that the program was built without keeps its row, but for times, which are not of this program.
+        writer.writerows(taken + [{key: "" if key.startswith(("microseconds", "jitter")) else value for key, value in row.items()}
+                                  for row in kept if row["method"] not in {row["method"] for row in taken}])
     page = (results / "study.md").read_text()
     put(PAGE, "study front", re.sub(r"[^|]+[|]\n", "\n", section(page, "study front", results)))  # without the types in C++
     put(PAGE, "study memory", section(page, "study memory", results))
+    quote_figures(PAGE, re.search("tactnet ([0-9.]+); ([0-9-]+)", page).groups(), "version {0}, {1} |")
     print(f"{PAGE}: its words on images, machine, compiler, version and date are to be those of:", page.split("\n\n")[1], sep="\n")
     with tarfile.open(archive, "w:xz", format=tarfile.GNU_FORMAT) as file:
         for name in ("evaluation.jsonl", "timings.jsonl", "study.jsonl"):
