@@ -17,8 +17,8 @@ function(tactnet_library_tests)
 endfunction()
 
 # tactnet_python_test(name script argument...): a test by a script of this folder, which reports 77 to be skipped. Without
-# Python it is skipped and says so.
-find_package(Python3 3.7 QUIET COMPONENTS Interpreter)
+# Python it is skipped and says so. By its path, since CMake starts a target through the emulator where it has one.
+find_package(Python3 3.9 QUIET COMPONENTS Interpreter)
 function(tactnet_python_test name script)
     if(Python3_Interpreter_FOUND)
         add_test(NAME ${name} COMMAND "${Python3_EXECUTABLE}" "${CMAKE_CURRENT_SOURCE_DIR}/${script}" ${ARGN} COMMAND_EXPAND_LISTS)

@@ -37,10 +37,11 @@ def same_bytes(script, folder):
         if "cannot be mixed" not in text.partition("// ---- ")[0]:
             sys.exit(f"{name}: expected a refusal of headers of include/ before the first header, found none")
     for umbrella in sorted(pathlib.Path(script).parent.parent.glob("include/tactnet/*.hpp")):
-        subprocess.run([sys.executable, script, f"tactnet/{umbrella.name}", "--out", f"{folder}/once/{umbrella.name}"], check=True)
+        subprocess.run([sys.executable, script, f"tactnet/{umbrella.name}", "--out", f"{folder}/once/of_{umbrella.name}"], check=True)
+    for file in sorted(pathlib.Path(folder, "once").glob("*.hpp")):
         # A line that needs a second file would stop a reader who pastes it.
-        if own := re.findall(r'^ *# *include +[<"]tactnet/.*', pathlib.Path(folder, "once", umbrella.name).read_text(), re.M):
-            sys.exit(f"{umbrella.name}: expected no header of its own beside it; found {own}")
+        if own := re.findall(r'^ *# *include +[<"]tactnet/.*', file.read_text(), re.M):
+            sys.exit(f"{file}: expected no header of its own beside it; found {own}")
     nowhere = subprocess.run([sys.executable, script, "tactnet/nowhere.hpp", "--out", f"{folder}/nowhere.hpp"], capture_output=True, text=True,
                              check=False)
     if not nowhere.returncode or "found no 'tactnet/nowhere.hpp'" not in nowhere.stderr:

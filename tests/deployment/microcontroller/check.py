@@ -98,7 +98,7 @@ def compare_with_page(rows):
     there = [dict(re.findall(r"^(\| [\w, +-]+ \|)(.*\n)", each + "\n", re.M)) for each in old.split("\n\n")]
     table = "\n".join(f"| TactNet-4 14 × 25, {form} | flash, kB | RAM, kB | thousand instructions |\n|---|---|---|---|\n" +
                       "".join(what + (row or known.get(what, "\n")) for what, row in of_form.items())
-                      for (form, of_form), known in zip(rows.items(), there))
+                      for (form, of_form), known in zip(rows.items(), [*there, {}]))
     if "--write" in sys.argv:
         page.write_text(before + begin + table + end + after)
         return
