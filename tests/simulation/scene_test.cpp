@@ -93,7 +93,7 @@ struct slow_film {
               cell_(where.cell),
               marks_(unit_.number != sensor_unit{}.number) {}
 
-        void apply(tactnet::signal<Shape> values, const moment&) noexcept {
+        void apply(tactnet::simulation::signal<Shape> values, const moment&) noexcept {
             for (std::size_t i = 0; i < Shape.size(); ++i)
                 values.data()[i] = before_.data()[i] += (1 - share_) * (values.data()[i] - before_.data()[i]);
             if (marks_)
@@ -121,7 +121,7 @@ struct halved {
     struct bound {
         static constexpr tactnet::shape half = output<Shape>;
         bound(const halved&, const mounting& where) : cell(where.cell) {}
-        void apply(tactnet::tensor_view<const float, Shape>, tactnet::signal<half> to,
+        void apply(tactnet::tensor_view<const float, Shape>, tactnet::simulation::signal<half> to,
                    const moment&) const noexcept {
             std::fill_n(to.data(), to.elements().size(), static_cast<float>(cell));
         }
