@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <ostream>
 #include <span>
+#include <stdexcept>
 #include <support/layers/deployed_reference.hpp>
 #include <support/layers/reference_of.hpp>
 #include <type_traits>
@@ -59,14 +60,19 @@ inline std::vector<std::uint8_t> make_frame(std::size_t size, std::uint64_t seed
     return counts;
 }
 
-/// The tiles of all convolutions of a step, in the order of their parameters.
+/// The tiles of all convolutions of a step, in the order of their parameters. The sum of a residual block may
+/// be a convolution as well, which has none.
 template <class Step>
 void append_tiled(std::vector<tile_size>& list) {
-    const auto append = [&]<class Argument, class Own = Step>(const Argument&) {
+    const auto append = [&]<class Argument, class Own = Step>(const Argument& argument) {
         if constexpr (tactnet::detail::is_inner_step<Argument>)
             append_tiled<typename Argument::step>(list);
-        else if constexpr (std::is_same_v<Argument, tactnet::kernels::frame_convolution>)
-            list.push_back({Own::method::tile.rows, Own::method::tile.columns});
+        else if constexpr (std::is_same_v<Argument, tactnet::kernels::frame_convolution>) {
+            const auto& w = argument.window;
+            if (!argument.accumulates || argument.groups < argument.filters ||
+                w.kernel != tactnet::extent2d(1))
+                list.push_back({Own::method::tile.rows, Own::method::tile.columns});
+        }
     };
     tactnet::step_description<Step>::visit(
         [&](const char*, const char*, const auto&... arguments) { (append(arguments), ...); });
@@ -77,6 +83,8 @@ described_network describe() {
     described_network network{
         reference_of<typename Network::specification>::on({input.channels, input.rows, input.columns})};
     append_tiled<typename tactnet::lowered_network<Network>::step>(network.tiles);
+    if (network.tiles.size() != network.layers->convolutions)
+        throw std::logic_error("describe: the steps have other convolutions than the layers");
     return network;
 }
 
