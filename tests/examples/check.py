@@ -13,6 +13,7 @@ import re
 import shutil
 import subprocess
 import sys
+import time
 
 
 def emptied(folder):
@@ -51,15 +52,17 @@ def experiment(program, folder):
 
 def windows(emulator, folder, examples, decode, stream, program=None):
     """What differs there: names with spaces, backslashes and, by the library UCRT, umlauts; bytes that text would change (the end of a
-    file, of a line); no colours; files that are there."""
+    file, of a line); no colours; files that are there, or that another program holds open."""
     ucrt = b"api-ms-win-crt" in pathlib.Path(decode).read_bytes()
     name = "Messung am 3. März" if ucrt else "Messung am 3. Mai"
     place = emptied(folder) / name
     place.mkdir()
     os.environ.update(WINEDEBUG="-all", LANG="C.UTF-8")
 
+    starter = [emulator] if emulator else []
+
     def windows_run(*words, status=0, given=None):
-        done = subprocess.run([word for word in (emulator, *words) if word], cwd=folder, input=given, capture_output=True, check=False)
+        done = subprocess.run([*starter, *words], cwd=folder, input=given, capture_output=True, check=False)
         if done.returncode != status or b"\x1b" in done.stdout + done.stderr or b"\r" in done.stdout:
             sys.exit(f"Expected status {status} of {words}, no colours and lines as elsewhere, found {done.returncode}: "
                      f"{done.stdout[-500:]} {done.stderr[-500:]}")
@@ -102,6 +105,16 @@ def windows(emulator, folder, examples, decode, stream, program=None):
     windows_run(program, "export", "--weights", own, "--output", name + "\\other.hpp")
     if (place / "own.hpp").read_bytes() != (place / "other.hpp").read_bytes() or (place / "own.safetensors").read_bytes() != before:
         sys.exit("Expected the same weights and the same header twice")
+
+    held = place / "held.hpp"  # another program writes it
+    with subprocess.Popen([*starter, "cmd", "/c", "ping -n 8 127.0.0.1 >held.hpp"], cwd=place, stderr=subprocess.DEVNULL):
+        until = time.monotonic() + 60
+        while not held.exists() and time.monotonic() < until:
+            time.sleep(0.1)
+        files = sorted(place.iterdir())
+        expect(windows_run(program, "export", "--weights", own, "--output", name + "\\held.hpp", status=2), r"held\.hpp: expected to write")
+        if sorted(place.iterdir()) != files:
+            sys.exit(f"Expected no other file beside the one that is open, found {sorted(place.iterdir())}")
 
 
 def rooted(program, folder, source, compiler, *flags):
