@@ -145,8 +145,8 @@ class Network:
         own = core.Recipe(recipe, *code.input_shape[:2])
         for name, value in settings.items():
             if not hasattr(own, name):
-                names = ", ".join(each for each in dir(own) if not each.startswith("_"))
-                raise ValueError(f"recipe: expected the name of a setting ({names}), found {name!r}")
+                settable = ", ".join(each for each in dir(own) if not each.startswith("_"))
+                raise ValueError(f"recipe: expected the name of a setting ({settable}), found {name!r}")
             if isinstance(value, (int, float, numpy.number)) and not 0 <= value < math.inf:
                 raise ValueError(f"recipe: expected a finite {name} of 0 or more, found {value!r}")
             setattr(own, name, getattr(getattr(core, name), value) if name in ("input", "augmentation") else value)
