@@ -381,7 +381,7 @@ quote_figures("docs/recognise/speed.md", [zen4["1"]["tactnet4/28x50"]["tactnet_u
 means = [statistics.geometric_mean(float(row["ratio"]) for row in inference(processor).values()) for processor in PROCESSORS]
 quote_figures("docs/recognise/speed.md", [min(means), max(means)], "takes {0:.1f} to {1:.1f} times as long on average")
 calls = [float(row["cold_us"]) / float(row["warm_us"]) for row in read(newest("zen5", "cold.csv")) if row["library"] == "tactnet"]
-quote_figures("docs/recognise/speed.md", [min(calls), max(calls)], "takes {0:.0f} to 6 times as long, and up to {1:.0f} times for the smallest")
+quote_figures("docs/recognise/speed.md", [min(calls), max(calls)], "takes {0:.0f} to 9 times as long for most networks, and up to {1:.0f} times for the smallest")
 quote_figures("docs/choosing.md", [zen4["64"]["tactnet6/28x50"][library] for library in ("libtorch_us", "tactnet_us")],
               "it takes {0:.0f} µs per frame, and tactnet {1:.1f} µs")
 alone = newest("zen5", "large_networks.csv")
