@@ -18,7 +18,7 @@ struct witness {
     class bound {
     public:
         bound(const witness&, const mounting& where) : unit_(where.unit) {}
-        void apply(signal<Shape> values, const moment& now) noexcept {
+        void apply(tactnet::simulation::signal<Shape> values, const moment& now) noexcept {
             float* out = values.data();
             for (std::uint64_t number : {unit_.number, now.seed, std::uint64_t{now.frame}})
                 for (int part = 0; part < 4; ++part, number >>= 16) // a float holds 24 bits
