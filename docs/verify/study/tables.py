@@ -401,8 +401,8 @@ quote_figures("docs/recognise/speed.md", [tables], "and [Zen 5](../../benchmarks
 # What decisions cost, and what they gain.
 costs = newest("zen5", "decision*.md", "| single precision |")
 alone, whole, more = re.search("[|] single precision [|] ([0-9.]+) [|] ([0-9.]+) [|] ([0-9.]+) [|]", (ROOT / "benchmarks/results" / costs).read_text()).groups()
-for page, words in (("docs/recognise/decision.md", "[{0:.1f} µs per frame of a touch](../../benchmarks/results/{1}#beside-the-network), {2:.0f} % of the time"),
-                    ("docs/faq.md", "[{0:.1f} µs](../benchmarks/results/{1}#beside-the-network)")):
+for page, words in (("docs/recognise/decision.md", "[{0:.1f} µs per frame of a touch](../../benchmarks/results/{1}#cost-per-frame), {2:.0f} % of the time"),
+                    ("docs/faq.md", "[{0:.1f} µs](../benchmarks/results/{1}#cost-per-frame)")):
     quote_figures(page, [f"{float(whole) - float(alone):.6f}", costs, more], words)
 faults = "benchmarks/results/" + newest("zen5", "decision*.md", "| one row stuck at 255 |")
 for pattern, *words in ((r"[|] none [|] ([0-9.]+) [|][^|]*[|][^|]*[|] ([0-9.]+) ", "the {1:.1f} % without a fault", "`sensor_health::clean` takes {2} µs"),
