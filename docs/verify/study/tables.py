@@ -395,9 +395,8 @@ expect("benchmarks/results/zen4/2026-11-23/results.md", "28 × 50 with SSE4.1: (
        "SSE4.1, µs per frame | {1} | {2} |")
 ratios = [float(row["ratio"]) for row in read(newest("zen4", "eight_bit_networks.csv")) if row["batch"] == "1"]
 quote_figures("docs/recognise/eight_bit.md", [min(ratios), max(ratios)], "[{0:.1f} to {1:.0f} times]")
-tables = newest("zen5", "networks.md")
-quote_figures("docs/verify/results.md", [tables], "on the same machine ([benchmark](../../benchmarks/results/{0}))")
-quote_figures("docs/recognise/speed.md", [tables], "and [Zen 5](../../benchmarks/results/{0}).")
+quote_figures("docs/verify/results.md", [newest("zen5", "networks.md")], "on the same machine ([benchmark](../../benchmarks/results/{0}))")
+quote_figures("docs/recognise/speed.md", [newest("zen5", "inference.csv")], "and [Zen 5](../../benchmarks/results/{0}).")
 # What decisions cost, and what they gain.
 costs = newest("zen5", "decision*.md", "| single precision |")
 alone, whole, more = re.search("[|] single precision [|] ([0-9.]+) [|] ([0-9.]+) [|] ([0-9.]+) [|]", (ROOT / "benchmarks/results" / costs).read_text()).groups()
