@@ -116,11 +116,7 @@ class Network:
 
     def save(self, folder="."):
         """Writes NAME.hpp, NAME.safetensors and NAME.txt, and returns the report."""
-        os.makedirs(folder, exist_ok=True)
-        text = write.report(self)
-        for ending, data in (("safetensors", write.weights(self)), ("hpp", write.header(self).encode()), ("txt", text.encode())):
-            write.write_safely(os.path.join(folder, f"{self.name}.{ending}"), data)
-        return text
+        return write.save(folder, self.name, write.weights(self), write.header(self), write.report(self))
 
 
 def read(path, name=None, **options):

@@ -3,8 +3,9 @@
 import numpy
 
 from .graph import CannotImport
+from .operators.elementwise import affine
 from .operators.norms import batch_norm
-from .layers import Map
+from .layers import Map, all_layers
 
 
 class Folded:
@@ -22,21 +23,17 @@ class Folded:
                 layers = layers[1:]
                 self.notes.append("the first nodes: the mean and the scale of the input")
         self.layers = self._norms(layers, here.shape)
-        epsilons = {l.epsilon for l in self._all(self.layers) if l.kind in ("gn", "in", "ln")}
+        epsilons = {l.epsilon for l in all_layers(self.layers) if l.kind in ("gn", "in", "ln")}
         if len(epsilons) > 1:
             raise CannotImport(f"norms have different values of epsilon ({', '.join(f'{e:g}' for e in sorted(epsilons))}); the nearest "
                                "that can be imported: one for all norms but batch norms")
-        self.epsilon = epsilons.pop() if epsilons else min((l.epsilon for l in self._all(self.layers) if l.epsilon), default=1e-5)
-        for layer in self._all(self.layers):
+        self.epsilon = epsilons.pop() if epsilons else min((l.epsilon for l in all_layers(self.layers) if l.epsilon), default=1e-5)
+        for layer in all_layers(self.layers):
             if layer.kind == "bn" and layer.epsilon != self.epsilon:
                 # The same numbers with the network's epsilon.
                 variance = layer.arrays["running_var"]
                 arrays = dict(layer.arrays, weight=layer.arrays["weight"] * numpy.sqrt((variance + self.epsilon) / (variance + layer.epsilon)))
                 layer.__dict__.update(batch_norm(Map.plain(layer.output, layer.output), arrays, self.epsilon).__dict__)
-
-    def _all(self, layers):
-        from .layers import all_layers
-        return list(all_layers(layers))
 
     def _list(self, layers):
         found = []
@@ -62,7 +59,6 @@ class Folded:
         return [l for l in found if l.kind != "affine" or (l.arrays["scale"] != 1).any() or l.arrays["shift"].any()]
 
     def _affine_of(self, norm):
-        from .operators.elementwise import affine
         a = norm.arrays
         scale = a["weight"] / numpy.sqrt(a["running_var"] + norm.epsilon)
         area = norm.output[0] * norm.output[1]

@@ -1,6 +1,7 @@
 """An ONNX file as a graph of nodes whose constants and shapes are known. The batch is fixed to one."""
 
 import math
+import re
 
 import numpy
 import onnx
@@ -159,7 +160,8 @@ class Graph:
         except CannotImport:
             raise
         except Exception as error:  # a damaged file may state anything
-            node.fail(f"its inputs and attributes do not fit: {error}".splitlines()[0][:200])
+            said = re.sub(r"^\S+\(\) ", "", str(error))  # without the name of our function
+            node.fail(f"its inputs and attributes do not fit: {said}".splitlines()[0][:200])
         found = found if isinstance(found, tuple) else (found,)
         del node.outputs[len(found):]
         for name, value in zip(node.outputs, found):

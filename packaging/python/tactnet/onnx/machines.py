@@ -1,6 +1,6 @@
 """Kernel machines of scikit-learn, as skl2onnx writes them: SVMClassifier, perhaps after a Scaler."""
 
-import os
+import json
 
 import numpy
 import onnx
@@ -85,26 +85,12 @@ class Machine:
 
     def save(self, folder="."):
         """Writes NAME.hpp, NAME.safetensors and NAME.txt, and returns the report."""
-        import json
-        os.makedirs(folder, exist_ok=True)
-        header = f"""#pragma once
-
-#include <tactnet/svm.hpp>
-
-// Written by python3 -m tactnet.onnx from {self.source}. Load it with
-//     tactnet::load_kernel_machine<tactnet::{self.kernel}_kernel, {self.features}>("{self.name}.safetensors")   // tactnet/io/svm_file.hpp
-
-namespace {self.name} {{
-
-using machine = tactnet::kernel_machine<tactnet::{self.kernel}_kernel, {self.features}>;
-
-}} // namespace {self.name}
-"""
+        template = f"<tactnet::{self.kernel}_kernel, {self.features}>"
+        header = write.header_of(self, "tactnet/svm.hpp", f'tactnet::load_kernel_machine{template}("{self.name}.safetensors")   // tactnet/io/svm_file.hpp',
+                                 f"using machine = tactnet::kernel_machine{template};")
         metadata = {"format": "tactnet", "version": "1", "machine": "kernel", "kernel": self.kernel, "multiclass": "one versus one",
                     "classes": json.dumps(self.classes), "source": self.source}
         text = (f"{self.source}: a support vector machine\nkernel          {self.kernel}\nfeatures        {self.features}\n"
                 f"classes         {len(self.classes)}\nsupport vectors {len(self.parts['support_vectors'])}\n"
                 "left out        probabilities of its decision values\n")
-        for ending, data in (("safetensors", write.safetensors(self.parts, metadata)), ("hpp", header.encode()), ("txt", text.encode())):
-            write.write_safely(os.path.join(folder, f"{self.name}.{ending}"), data)
-        return text
+        return write.save(folder, self.name, write.safetensors(self.parts, metadata), header, text)

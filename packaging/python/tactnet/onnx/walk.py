@@ -65,8 +65,11 @@ class Walk:
             node.require(join, "it joins branches", "Add, Concat, or Mul by a factor for each channel")
             return join(self, node, inputs, start, at)
         importer = operators.IMPORTS.get(node.op)
-        node.require(importer, "it cannot be a layer where it stands", "the activation functions that onnx.md lists")
+        refused = operators.REFUSED.get(node.op)
+        node.require(importer or refused, "it cannot be a layer where it stands", "the activation functions that onnx.md lists")
         layers, here = self.path(inputs[0], start, at)
+        if refused:
+            node.fail(*refused)
         extra, here = importer(self, node, here, node.outputs.index(name))
         if here.places.shape != graph.shapes[name] and name not in self.pads:
             node.fail(f"its output has the extents {list(graph.shapes[name])}, and that of the layer {list(here.places.shape)}")

@@ -1,12 +1,13 @@
 """The files that an import writes: header, weights, report."""
 
 import json
+import os
 import re
 import struct
 
 import numpy
 
-from ..files import write_safely  # noqa: F401 for those who write what this makes
+from ..files import write_safely
 
 TYPES = {"float32": "F32", "float64": "F64", "uint8": "U8", "int64": "I64"}
 RESERVED = {"tactnet", "std", "net", "int", "float", "double", "char", "bool", "new", "class", "default", "switch", "this", "main",
@@ -51,25 +52,37 @@ def header(network):
     use = f'tactnet::load_model<{network.name}::net>("{network.name}.safetensors"), then tactnet::deploy_stream (tactnet/deployment/stream.hpp)' if stream else \
         f'tactnet::load_deployed<{network.name}::net>("{network.name}.safetensors")'
     ratio = "\n#include <ratio>\n" if "std::ratio" in layers else ""
-    return f"""#pragma once
-
-#include <tactnet/tactnet.hpp>
-{ratio}
-// Written by python3 -m tactnet.onnx from {network.source}. Load it with
-//     {use}
-// which repeats the self-test: {len(network.selftest_input)} frames of counts and what the ONNX model makes of them.
-
-namespace {network.name} {{
-
-using namespace tactnet;
+    note = f"\n// which repeats the self-test: {len(network.selftest_input)} frames of counts and what the ONNX model makes of them."
+    return header_of(network, "tactnet/tactnet.hpp", use, f"""using namespace tactnet;
 
 {layers}>;
 
 static_assert(net::parameters == {network.parameters});
-static_assert(net::multiply_adds == {network.multiply_adds});
+static_assert(net::multiply_adds == {network.multiply_adds});""", ratio, note)
 
-}} // namespace {network.name}
+
+def header_of(imported, include, use, body, more="", note=""):
+    return f"""#pragma once
+
+#include <{include}>
+{more}
+// Written by python3 -m tactnet.onnx from {imported.source}. Load it with
+//     {use}{note}
+
+namespace {imported.name} {{
+
+{body}
+
+}} // namespace {imported.name}
 """
+
+
+def save(folder, name, safetensors, header, text):
+    """Writes NAME.safetensors, NAME.hpp and NAME.txt, and returns the report."""
+    os.makedirs(folder, exist_ok=True)
+    for ending, data in (("safetensors", safetensors), ("hpp", header.encode()), ("txt", text.encode())):
+        write_safely(os.path.join(folder, f"{name}.{ending}"), data)
+    return text
 
 
 def weights(network):

@@ -72,8 +72,3 @@ def join_gate(walk, node, inputs, start, at):
     layer = Layer("gate", "", a.shape, None, branches=[("", branch)], write=lambda l: f"gate<{', '.join(texts(l.branches[0][1]))}>")
     layer.run = lambda x, _: x * run_all(layer.branches[0][1], x)
     return layers + [layer], a
-
-
-@joins("Sub", "Min", "Max")
-def refuse_join(walk, node, inputs, start, at):
-    node.fail("it joins branches", "Add, Concat, or Mul by a factor for each channel")

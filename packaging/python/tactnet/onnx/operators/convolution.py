@@ -36,11 +36,14 @@ def window_of(node, extents, kernel):
     return list(kernel), list(strides), list(pads), list(dilations)
 
 
+def outputs_of(shape, reach, strides, pads):
+    return tuple((n + pads[i] + pads[i + 2] - k) // s + 1 for i, (n, k, s) in enumerate(zip(shape, reach, strides)))
+
+
 def padding_text(shape, reach, strides, pads):
     """The shortest text of a padding whose windows see the same pixels."""
-    outputs = [(n + pads[i] + pads[i + 2] - k) // s + 1 for i, (n, k, s) in enumerate(zip(shape, reach, strides))]
     before, after = zip(*[same_pads(n, k, s) for n, k, s in zip(shape, reach, strides)])
-    if list(before) == pads[:2] and outputs == [-(-n // s) for n, s in zip(shape, strides)]:
+    if list(before) == pads[:2] and outputs_of(shape, reach, strides, pads) == tuple(-(-n // s) for n, s in zip(shape, strides)):
         return "padding::same"
     if not any(pads):
         return "padding::valid"
@@ -110,7 +113,7 @@ def convolution(here, weight, bias, strides, pads, dilations=(1, 1), groups=1):
     """conv2d, dilated_conv2d, or causal_conv1d of a window that looks back only."""
     filters, channels, *kernel = weight.shape
     reach = [(k - 1) * d + 1 for k, d in zip(kernel, dilations)]
-    output = tuple((n + pads[i] + pads[i + 2] - k) // s + 1 for i, (n, k, s) in enumerate(zip(here.shape, reach, strides)))
+    output = outputs_of(here.shape, reach, strides, pads)
     rows, columns = here.shape[:2]
     dilations = [d if k > 1 else 1 for k, d in zip(kernel, dilations)]
 

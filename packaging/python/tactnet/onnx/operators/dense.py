@@ -4,10 +4,11 @@ import numpy
 
 from .. import arithmetic
 from ..layers import Layer, Map
-from . import evaluates, imports
+from . import EVALUATIONS, REFUSED, evaluates, imports
 from .convolution import convolution
 from .elementwise import affine
 from .quantised import with_scales
+from .shapes import rows_of
 
 
 @evaluates("Gemm")
@@ -17,18 +18,13 @@ def evaluate_gemm(node, a, b, c=None):
     return found if c is None else found + node.get("beta", 1.0) * c
 
 
-@evaluates("MatMul")
-def evaluate_matmul(node, a, b):
-    return a @ b
+EVALUATIONS["MatMul"] = lambda node, a, b: a @ b
 
 
 @evaluates("Softmax", "LogSoftmax")
 def evaluate_softmax(node, x):
     axis = node.get("axis", -1 if node.opset >= 13 else 1)
-    if node.opset < 13:
-        found = arithmetic.softmax(x.reshape(int(numpy.prod(x.shape[:axis if axis >= 0 else x.ndim + axis])), -1), 1).reshape(x.shape)
-    else:
-        found = arithmetic.softmax(x, axis)
+    found = arithmetic.softmax(rows_of(x, axis), 1).reshape(x.shape) if node.opset < 13 else arithmetic.softmax(x, axis)
     return numpy.log(found) if node.op == "LogSoftmax" else found
 
 
@@ -81,7 +77,7 @@ def import_softmax(walk, node, here, _):
     node.require(node.outputs[0] == walk.graph.output or set(after(walk.graph, node.outputs[0])) <= {"Identity", "Reshape", "Flatten", "Cast"},
                  "it is not the last layer", "Softmax at the end")
     axis = node.get("axis", -1 if node.opset >= 13 else 1) % here.places.ndim
-    moved = numpy.moveaxis(here.places, axis, -1) if node.opset >= 13 else here.places.reshape(int(numpy.prod(here.places.shape[:axis])), -1)
+    moved = numpy.moveaxis(here.places, axis, -1) if node.opset >= 13 else rows_of(here.places, axis)
     groups = moved.reshape(-1, moved.shape[-1])
     node.require(groups.shape == (1, here.shape[2]) and here.area == 1, "it covers something else than the channels of one pixel",
                  "Softmax over the classes")
@@ -93,9 +89,7 @@ def softmax_layer(here):
     return Layer("softmax", "softmax", here.shape, lambda x, _: arithmetic.softmax(x, 0), numbered=False)
 
 
-@imports("LogSoftmax")
-def refuse_log_softmax(walk, node, here, _):
-    node.fail("there is no such layer", "Softmax, or the logits before it, which name the same class")
+REFUSED["LogSoftmax"] = ("there is no such layer", "Softmax, or the logits before it, which name the same class")
 
 
 def after(graph, name):
@@ -126,19 +120,15 @@ def transformed(node, scores):
     return {"NONE": lambda x: x, "LOGISTIC": arithmetic.sigmoid}[kind](scores)
 
 
-@evaluates("LinearClassifier")
-def evaluate_linear_classifier(node, x):
+@evaluates("LinearClassifier", "LinearRegressor")
+def evaluate_linear(node, x):
     coefficients, intercepts = linear_parts(node)
     scores = x @ coefficients.T + intercepts
+    if node.op == "LinearRegressor":
+        return scores
     if scores.shape[1] == 1:
         raise ValueError("one score for two classes")
     return scores.argmax(1), transformed(node, scores)
-
-
-@evaluates("LinearRegressor")
-def evaluate_linear_regressor(node, x):
-    coefficients, intercepts = linear_parts(node)
-    return x @ coefficients.T + intercepts
 
 
 @imports("LinearClassifier", "LinearRegressor")
@@ -162,9 +152,7 @@ def import_linear(walk, node, here, output):
     return layers, end
 
 
-@evaluates("Scaler")
-def evaluate_scaler(node, x):
-    return (x - numpy.asarray(node.get("offset"))) * numpy.asarray(node.get("scale"))
+EVALUATIONS["Scaler"] = lambda node, x: (x - numpy.asarray(node.get("offset"))) * numpy.asarray(node.get("scale"))
 
 
 @imports("Scaler")

@@ -5,9 +5,10 @@ import numpy
 from .. import arithmetic
 from ..activations import slopes
 from ..layers import Layer
-from . import evaluates, imports
+from ..graph import NEAREST
+from . import EVALUATIONS, REFUSED, evaluates, imports
 
-SIMPLE = {
+EVALUATIONS.update({
     "Relu": lambda n, x: numpy.maximum(x, 0),
     "LeakyRelu": lambda n, x: numpy.where(x > 0, x, n.get("alpha", 0.01) * x),
     "Elu": lambda n, x: numpy.where(x > 0, x, n.get("alpha", 1.0) * numpy.expm1(numpy.minimum(x, 0))),
@@ -31,9 +32,7 @@ SIMPLE = {
     "Min": lambda n, *x: numpy.minimum.reduce(numpy.broadcast_arrays(*x)),
     "Max": lambda n, *x: numpy.maximum.reduce(numpy.broadcast_arrays(*x)),
     "Sum": lambda n, *x: sum(x[1:], x[0]),
-}
-for operator, computation in SIMPLE.items():
-    evaluates(operator)(computation)
+})
 
 
 @evaluates("Add", "Sub", "Mul", "Div")
@@ -87,11 +86,9 @@ def import_prelu(walk, node, here, _):
     return [slopes(here, values[:, 0])], here
 
 
-@imports("Relu", "LeakyRelu", "Elu", "Clip", "Sigmoid", "Tanh", "HardSigmoid", "Softplus", "Gelu", "Selu", "Celu", "Mish",
-         "Erf", "Exp", "Log", "Sqrt", "Abs", "Pow", "Min", "Max", "Softsign", "Reciprocal", "ThresholdedRelu", "HardSwish")
-def refuse_function(walk, node, here, _):
-    from ..graph import NEAREST
-    near = {"HardSigmoid": "alpha = 1/6 and beta = 1/2, hard_sigmoid", "Clip": "Clip from 0 to 6, relu6, or Relu",
-            "Elu": "an alpha of whole thousandths", "Gelu": "GELU without approximation, gelu"}
-    node.fail("it computes, alone or with the nodes before it, no activation function of the library",
-              near.get(node.op) or NEAREST.get(node.op, "Relu, Clip(0, 6), Sigmoid, HardSwish or another that onnx.md lists"))
+NEAR = {"HardSigmoid": "alpha = 1/6 and beta = 1/2, hard_sigmoid", "Clip": "Clip from 0 to 6, relu6, or Relu",
+        "Elu": "an alpha of whole thousandths", "Gelu": "GELU without approximation, gelu"}
+for operator in ("Relu", "LeakyRelu", "Elu", "Clip", "Sigmoid", "Tanh", "HardSigmoid", "Softplus", "Gelu", "Selu", "Celu", "Mish", "Erf", "Exp", "Log",
+                 "Sqrt", "Abs", "Pow", "Min", "Max", "Softsign", "Reciprocal", "ThresholdedRelu", "HardSwish"):
+    REFUSED[operator] = ("it computes, alone or with the nodes before it, no activation function of the library",
+                         NEAR.get(operator) or NEAREST.get(operator, "Relu, Clip(0, 6), Sigmoid, HardSwish or another that onnx.md lists"))

@@ -1,10 +1,14 @@
 """Norms: batch norms, which stay layers of their own, and those with moments of each frame."""
 
+from fractions import Fraction
+
 import numpy
 
 from .. import arithmetic
 from ..layers import Layer
 from . import evaluates, imports, joins
+from .elementwise import affine
+from .shapes import axes_of
 
 
 def along(values, rank, axis=1):
@@ -71,7 +75,6 @@ def import_batch_norm(walk, node, here, _):
     node.require(not node.get("training_mode", 0), "it trains", "training_mode of 0")
     if not here.places.size == here.size or any(v.size != here.shape[2] for v in values):
         # After a flatten: a number for each element, for the dense layer that follows.
-        from .elementwise import affine
         scale = values[0] / numpy.sqrt(values[3] + epsilon)
         parts = [here.in_order(v) for v in (scale, values[1] - values[2] * scale)]
         node.require(parts[0] is not None and parts[1] is not None and here.places.size == here.size, "its arrays do not fit", "one for each channel")
@@ -162,7 +165,6 @@ def join_layer_norm(walk, node, inputs, start, at):
                  and (again is difference or made(again.inputs[1]) is not None and made(again.inputs[1]).op == "ReduceMean"
                       and made(again.inputs[1]).inputs[0] == x), "it divides branches", near)
     layers, here = walk.path(x, start, at)
-    from .shapes import axes_of
     axes = {axes_of(n, walk.constant(n, 1), here.places.ndim) for n in (mean, variance)}
     node.require(len(axes) == 1 and None not in axes and all(n.get("keepdims", 1) for n in (mean, variance)), "its axes differ", near)
     return layers + [layer_norm(node, here, sorted(axes.pop()), numpy.ones(1), numpy.zeros(1), epsilons[0])], here
@@ -170,7 +172,6 @@ def join_layer_norm(walk, node, inputs, start, at):
 
 @imports("LRN")
 def import_lrn(walk, node, here, _):
-    from fractions import Fraction
     size, values = node.get("size"), [node.get("alpha", 1e-4), node.get("beta", 0.75), node.get("bias", 1.0)]
     node.require(here.is_image() and size % 2 == 1, "a window of an even number of channels", "an odd size, local_response_norm")
     node.require(values[0] >= 0 and values[1] >= 0 and values[2] > 0, "its constants are below 0", "alpha, beta and bias above 0")

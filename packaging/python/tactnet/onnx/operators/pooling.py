@@ -4,8 +4,8 @@ import numpy
 
 from .. import arithmetic
 from ..layers import Layer, Map, call, extent
-from . import evaluates, imports
-from .convolution import as_tensor, image, pad_text, padding_text, window_of
+from . import REFUSED, evaluates, imports
+from .convolution import as_tensor, image, outputs_of, pad_text, padding_text, window_of
 from .shapes import axes_of
 
 
@@ -67,7 +67,7 @@ def import_pool(walk, node, here, _):
     rows, columns, channels = here.shape
     node.require(max(pads[0], pads[2]) < kernel[0] and max(pads[1], pads[3]) < kernel[1], "a window holds nothing but padding",
                  "padding below the window")
-    output = tuple((n + pads[i] + pads[i + 2] - k) // s + 1 for i, (n, k, s) in enumerate(zip(here.shape, kernel, strides)))
+    output = outputs_of(here.shape, kernel, strides, pads)
     # A window that the image does not fill on its own may be larger than it.
     text = padding_text(here.shape, kernel, strides, pads)
     counts = None
@@ -86,44 +86,24 @@ def import_pool(walk, node, here, _):
     return [layer], Map.plain(layer.output, (1, channels, *output)[:here.places.ndim])
 
 
-def global_pool(here, average, extents):
-    rows, columns, channels = here.shape
-    layer = Layer("pool", "global_average_pool" if average else "global_max_pool", (1, 1, channels),
-                  (lambda x, _: x.mean((1, 2), keepdims=True)) if average else (lambda x, _: x.max((1, 2), keepdims=True)))
-    return layer, Map((1, 1, channels), extents)
-
-
 @imports("GlobalAveragePool", "GlobalMaxPool", "ReduceMean", "ReduceMax")
 def import_global(walk, node, here, _):
     """Whatever axes it reduces: the places must be all those of each channel."""
     channels = here.places // here.area
-    low, high = (evaluate(node, channels, walk) for evaluate in (least, largest))
+    axes, keep = tuple(range(2, channels.ndim)), True
+    if not node.op.startswith("Global"):
+        axes, keep = axes_of(node, walk.constant(node, 1), channels.ndim), bool(node.get("keepdims", 1))
+    low, high = (find(channels, axis=axes, keepdims=keep) for find in (numpy.min, numpy.max))
     count = here.size // max(1, low.size)
     node.require(here.places.size == here.size and numpy.array_equal(low, high) and count == here.area and low.size == here.shape[2],
                  "it reduces something else than all pixels of each channel", "GlobalAveragePool, global_average_pool")
-    layer, end = global_pool(here, "Max" not in node.op, low)
-    return [layer], end
+    name, function = ("global_max_pool", numpy.max) if "Max" in node.op else ("global_average_pool", numpy.mean)
+    shape = (1, 1, here.shape[2])
+    return [Layer("pool", name, shape, lambda x, _: function(x, axis=(1, 2), keepdims=True))], Map(shape, low)
 
 
-def reduced_axes(node, x, walk):
-    if node.op.startswith("Global"):
-        return tuple(range(2, x.ndim)), True
-    return axes_of(node, walk.constant(node, 1), x.ndim), bool(node.get("keepdims", 1))
-
-
-def least(node, x, walk):
-    axes, keep = reduced_axes(node, x, walk)
-    return x.min(axis=axes, keepdims=keep)
-
-
-def largest(node, x, walk):
-    axes, keep = reduced_axes(node, x, walk)
-    return x.max(axis=axes, keepdims=keep)
-
-
-@imports("ReduceSum", "ReduceMin", "ReduceProd")
-def refuse_reduction(walk, node, here, _):
-    node.fail("there is no such layer", "ReduceMean, global_average_pool")
+for operator in ("ReduceSum", "ReduceMin", "ReduceProd"):
+    REFUSED[operator] = ("there is no such layer", "ReduceMean, global_average_pool")
 
 
 def sources(inputs, outputs, scale, mode, position, nearest):
@@ -142,18 +122,25 @@ def sources(inputs, outputs, scale, mode, position, nearest):
         x = (o + numpy.float32(0.5)) / scale - numpy.float32(0.5)
     else:
         raise ValueError(f"coordinate_transformation_mode {position}")
-    weights = numpy.zeros((outputs, inputs))
     if mode == "nearest":
         x = {"floor": numpy.floor, "ceil": numpy.ceil, "round_prefer_floor": lambda v: numpy.ceil(v - 0.5),
              "round_prefer_ceil": lambda v: numpy.floor(v + 0.5)}[nearest](x)
-        weights[numpy.arange(outputs), numpy.clip(x, 0, inputs - 1).astype(int)] = 1
-    elif mode == "linear":
-        x = numpy.clip(x.astype(numpy.float64), 0, inputs - 1)
-        first = numpy.minimum(numpy.floor(x).astype(int), max(0, inputs - 2))
-        weights[numpy.arange(outputs), first] += 1 - (x - first)
-        weights[numpy.arange(outputs), numpy.minimum(first + 1, inputs - 1)] += x - first
-    else:
+    elif mode != "linear":
         raise ValueError(f"mode {mode}")
+    return weights_at(x, inputs, mode == "linear")
+
+
+def weights_at(x, inputs, linear):
+    """[positions, inputs]: the weights of each input at positions between them."""
+    x = numpy.clip(x.astype(numpy.float64), 0, inputs - 1)
+    every, first = numpy.arange(len(x)), numpy.floor(x).astype(int)
+    weights = numpy.zeros((len(x), inputs))
+    if linear:
+        first = numpy.minimum(first, max(0, inputs - 2))
+        weights[every, first] += 1 - (x - first)
+        weights[every, numpy.minimum(first + 1, inputs - 1)] += x - first
+    else:
+        weights[every, first] = 1
     return weights
 
 
@@ -197,17 +184,9 @@ def evaluate_resize(node, x, *arguments):
 
 def own_sources(inputs, outputs, bilinear):
     """The weights of the library: PyTorch's positions."""
-    if not bilinear:
-        scale = numpy.float32(inputs) / numpy.float32(outputs)
-        found = numpy.zeros((outputs, inputs))
-        found[range(outputs), numpy.minimum((numpy.arange(outputs, dtype=numpy.float32) * scale).astype(int), inputs - 1)] = 1
-        return found
-    x = numpy.clip((numpy.arange(outputs) + 0.5) * inputs / outputs - 0.5, 0, inputs - 1)
-    first = numpy.minimum(x.astype(int), max(0, inputs - 2))
-    found = numpy.zeros((outputs, inputs))
-    found[range(outputs), first] += 1 - (x - first)
-    found[range(outputs), numpy.minimum(first + 1, inputs - 1)] += x - first
-    return found
+    if bilinear:
+        return weights_at((numpy.arange(outputs) + 0.5) * inputs / outputs - 0.5, inputs, True)
+    return weights_at(numpy.arange(outputs, dtype=numpy.float32) * (numpy.float32(inputs) / numpy.float32(outputs)), inputs, False)
 
 
 @imports("Resize", "Upsample")

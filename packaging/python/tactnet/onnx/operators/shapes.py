@@ -3,7 +3,7 @@
 import numpy
 
 from ..layers import Layer, Map
-from . import evaluates, imports
+from . import EVALUATIONS, REFUSED, evaluates, imports
 
 
 def axes_of(node, given, rank):
@@ -11,15 +11,34 @@ def axes_of(node, given, rank):
     return None if axes is None else tuple(int(a) % rank for a in numpy.ravel(axes))
 
 
-@evaluates("Identity", "Dropout")
-def evaluate_identity(node, x, *_):
+def identity(node, x, *_):
     return (x, numpy.ones(x.shape, bool))[:max(1, len(node.outputs))]
 
 
-@evaluates("Cast")
-def evaluate_cast(node, x):
-    kind = {6: numpy.int32, 7: numpy.int64, 9: bool, 2: numpy.uint8, 3: numpy.int8}.get(node.get("to"))
-    return x.astype(kind) if kind else x.astype(numpy.float64)
+def rows_of(x, axis):
+    """A matrix whose rows begin at an axis."""
+    return x.reshape(int(numpy.prod(x.shape[:axis if axis >= 0 else x.ndim + axis])), -1)
+
+
+KINDS = {6: numpy.int32, 7: numpy.int64, 9: bool, 2: numpy.uint8, 3: numpy.int8}
+EVALUATIONS.update({
+    "Identity": identity, "Dropout": identity,
+    "Cast": lambda n, x: x.astype(KINDS.get(n.get("to"), numpy.float64)),
+    "Shape": lambda n, x: numpy.array(x.shape[n.get("start", 0):n.get("end")], numpy.int64),
+    "Size": lambda n, x: numpy.array(x.size),
+    "Flatten": lambda n, x: rows_of(x, n.get("axis", 1)),
+    "Transpose": lambda n, x: x.transpose(n.get("perm")),
+    "Squeeze": lambda n, x, axes=None: x.squeeze(axes_of(n, axes, x.ndim)),
+    "Unsqueeze": lambda n, x, axes=None: numpy.expand_dims(x, tuple(int(a) for a in numpy.ravel(n.get("axes") if axes is None else axes))),
+    "Gather": lambda n, x, indices: numpy.take(x, indices, n.get("axis", 0)),
+})
+
+
+def possible(shape):
+    """Extents that memory has room for."""
+    if numpy.prod(shape, dtype=float) > 1 << 26:
+        raise ValueError(f"impossible extents {list(shape)}")
+    return tuple(int(n) for n in shape)
 
 
 @evaluates("Constant")
@@ -32,9 +51,7 @@ def evaluate_constant(node):
 
 @evaluates("ConstantOfShape")
 def evaluate_constant_of_shape(node, shape):
-    if numpy.prod(shape, dtype=float) > 1 << 26:
-        raise ValueError(f"impossible extents {list(shape)}")
-    return numpy.full(tuple(shape), numpy.ravel(node.get("value", numpy.zeros(1)))[0])
+    return numpy.full(possible(shape), numpy.ravel(node.get("value", numpy.zeros(1)))[0])
 
 
 @evaluates("Range")
@@ -42,16 +59,6 @@ def evaluate_range(node, first, end, step):
     if not 0 < abs(float((end - first) / step)) < 1 << 20:
         raise ValueError("impossible range")
     return numpy.arange(first, end, step)
-
-
-@evaluates("Shape")
-def evaluate_shape(node, x):
-    return numpy.array(x.shape[node.get("start", 0):node.get("end")], numpy.int64)
-
-
-@evaluates("Size")
-def evaluate_size(node, x):
-    return numpy.array(x.size)
 
 
 @evaluates("Reshape")
@@ -62,38 +69,9 @@ def evaluate_reshape(node, x, shape=None):
     return x.reshape(shape)
 
 
-@evaluates("Flatten")
-def evaluate_flatten(node, x):
-    axis = node.get("axis", 1)
-    return x.reshape(int(numpy.prod(x.shape[:axis if axis >= 0 else x.ndim + axis])), -1)
-
-
-@evaluates("Transpose")
-def evaluate_transpose(node, x):
-    return x.transpose(node.get("perm"))
-
-
-@evaluates("Squeeze")
-def evaluate_squeeze(node, x, axes=None):
-    return x.squeeze(axes_of(node, axes, x.ndim))
-
-
-@evaluates("Unsqueeze")
-def evaluate_unsqueeze(node, x, axes=None):
-    axes = node.get("axes") if axes is None else numpy.ravel(axes)
-    return numpy.expand_dims(x, tuple(int(a) for a in axes))
-
-
 @evaluates("Expand")
 def evaluate_expand(node, x, shape):
-    if numpy.prod(shape, dtype=float) > 1 << 26:
-        raise ValueError(f"impossible extents {list(shape)}")
-    return x * numpy.ones(tuple(int(s) for s in shape), x.dtype)
-
-
-@evaluates("Gather")
-def evaluate_gather(node, x, indices):
-    return numpy.take(x, indices, node.get("axis", 0))
+    return x * numpy.ones(possible(shape), x.dtype)
 
 
 @evaluates("Slice")
@@ -172,6 +150,5 @@ def import_pad(walk, node, here, _):
     return [], here
 
 
-@imports("Expand", "Shape", "Size", "ConstantOfShape", "Range", "Floor", "Ceil", "Mod", "Equal", "Less", "Greater", "Where", "Not")
-def refuse(walk, node, here, _):
-    node.fail("it is no layer of maps", "the same with constants, which are computed once")
+for operator in ("Expand", "Shape", "Size", "ConstantOfShape", "Range", "Floor", "Ceil", "Mod", "Equal", "Less", "Greater", "Where", "Not"):
+    REFUSED[operator] = ("it is no layer of maps", "the same with constants, which are computed once")
