@@ -91,4 +91,4 @@ NEAR = {"HardSigmoid": "alpha = 1/6 and beta = 1/2, hard_sigmoid", "Clip": "Clip
 for operator in ("Relu", "LeakyRelu", "Elu", "Clip", "Sigmoid", "Tanh", "HardSigmoid", "Softplus", "Gelu", "Selu", "Celu", "Mish", "Erf", "Exp", "Log",
                  "Sqrt", "Abs", "Pow", "Min", "Max", "Softsign", "Reciprocal", "ThresholdedRelu", "HardSwish"):
     REFUSED[operator] = ("it computes, alone or with the nodes before it, no activation function of the library",
-                         NEAR.get(operator) or NEAREST.get(operator, "Relu, Clip(0, 6), Sigmoid, HardSwish or another that onnx.md lists"))
+                         NEAR.get(operator, NEAREST.get(operator, "Relu, Clip(0, 6), Sigmoid, HardSwish or another that onnx.md lists")))
