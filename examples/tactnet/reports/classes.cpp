@@ -4,8 +4,6 @@
 
 #include <tactnet/text/message.hpp>
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 
 namespace {

@@ -7,6 +7,8 @@
 
 #include <tactnet/training/evaluate.hpp>
 
+#include <nlohmann/json.hpp>
+
 /// A line for each class, and one for their means: images, right ones, recall, precision and F1.
 table_cells class_table(const tactnet::confusion_matrix& confusion, const std::vector<std::string>& classes);
 

@@ -1,5 +1,7 @@
 #include "reports/report.hpp"
 
+#include <tactnet/io/write_file.hpp>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
