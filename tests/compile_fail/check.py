@@ -1,5 +1,5 @@
-"""One case: code that must not compile, the part of a source between #ifdef CASE_name and #endif. Its first lines say what the compiler
-must print:
+"""One case: code that must not compile, the part of a source after #ifdef CASE_name or #elif defined(CASE_name). Its first lines say what
+the compiler must print:
 
   // expect: a regular expression found somewhere in the output, in which braces stand for themselves
   // expect: another; all must be found
@@ -26,10 +26,10 @@ def fail(text):
     sys.exit(f"{source} {case}: {text}")
 
 
-_, found, rest = pathlib.Path(source).read_text().partition(f"#ifdef CASE_{case}\n")
-if not found:
+head = re.search(rf"^#(?:ifdef CASE_{case}|elif defined\(CASE_{case}\))\n((?://.*\n)*)", pathlib.Path(source).read_text(), re.M)
+if not head:
     fail("has no such case.")
-said = re.findall("// *(expect|at-most|characters): *(.*)\n", re.match("(//.*\n)*", rest)[0])
+said = re.findall("// *(expect|at-most|characters): *(.*)\n", head[1])
 patterns = [value for key, value in said if key == "expect"]
 limits = {key: int(value) for key, value in said if key != "expect"}
 if not patterns:

@@ -5,18 +5,16 @@
 #include <tactnet/features.hpp>
 
 constexpr auto descriptors = tactnet::dense_surf<tactnet::shape{1, 1}>::most;
-#endif
 
-#ifdef CASE_descriptors_of_temporary
+#elif defined(CASE_descriptors_of_temporary)
 // expect: would dangle
 #include <tactnet/features.hpp>
 
 void run() {
     static_cast<void>(tactnet::dense_surf<tactnet::shape{14, 25, 1}>().descriptors());
 }
-#endif
 
-#ifdef CASE_words_of_temporary
+#elif defined(CASE_words_of_temporary)
 // expect: would dangle
 #include <tactnet/features.hpp>
 
@@ -25,9 +23,8 @@ void run() {
 void run() {
     static_cast<void>(tactnet::bag_of_words<2, 3>(std::vector<float>(4)).words());
 }
-#endif
 
-#ifdef CASE_resize_to_nothing
+#elif defined(CASE_resize_to_nothing)
 // expect: resize: there must be at least one row, one column and one channel on both sides
 #include <tactnet/image.hpp>
 
@@ -35,9 +32,8 @@ void run(tactnet::tensor_view<const float, tactnet::shape{7, 13}> from,
          tactnet::tensor_view<float, tactnet::shape{0, 13}> to) {
     tactnet::resize<tactnet::shape{7, 13}, tactnet::shape{0, 13}>(from, to);
 }
-#endif
 
-#ifdef CASE_transform_of_nothing
+#elif defined(CASE_transform_of_nothing)
 // expect: transform_image: there must be at least one row, one column and one channel
 #include <tactnet/image.hpp>
 
@@ -45,53 +41,47 @@ void run(tactnet::tensor_view<const float, tactnet::shape{7, 0}> from,
          tactnet::tensor_view<float, tactnet::shape{7, 0}> to) {
     tactnet::transform_image<tactnet::shape{7, 0}>({}, from, to);
 }
-#endif
 
-#ifdef CASE_image_too_small
+#elif defined(CASE_image_too_small)
 // expect: tactnet4, tactnet6, tactresnet: the image is smaller than the first kernel of 5 x 5 tactels; image_is_large_enough shows its rows and columns, then the least
 // expect: LeastRows = 5; Rows = 4|image_is_large_enough<4UL, 9UL, 5, 5>
 #include <tactnet/networks.hpp>
 
 extern tactnet::tactnet4<tactnet::shape{4, 9}, 22> net;
-#endif
 
-#ifdef CASE_frame_of_temporary
+#elif defined(CASE_frame_of_temporary)
 // expect: the frame would dangle
 #include <tactnet/sensors.hpp>
 
 void run() {
     static_cast<void>(tactnet::read_recording("hand.csv")[5]);
 }
-#endif
 
-#ifdef CASE_frame_of_temporary_with_shape
+#elif defined(CASE_frame_of_temporary_with_shape)
 // expect: the frame would dangle
 #include <tactnet/sensors.hpp>
 
 void run() {
     static_cast<void>(tactnet::read_recording("hand.csv").as<tactnet::shape{28, 50, 1}>(5));
 }
-#endif
 
-#ifdef CASE_places_of_temporary
+#elif defined(CASE_places_of_temporary)
 // expect: would dangle
 #include <tactnet/sensors.hpp>
 
 void run() {
     static_cast<void>(tactnet::tekscan_map().places());
 }
-#endif
 
-#ifdef CASE_warnings_of_temporary
+#elif defined(CASE_warnings_of_temporary)
 // expect: would dangle
 #include <tactnet/sensors.hpp>
 
 void run() {
     static_cast<void>(tactnet::decoding_warnings().kept());
 }
-#endif
 
-#ifdef CASE_rows_of_temporary
+#elif defined(CASE_rows_of_temporary)
 // expect: values of a temporary: give it a name
 #include <tactnet/svm.hpp>
 
@@ -100,9 +90,8 @@ void run() {
 void run() {
     static_cast<void>(tactnet::feature_rows<8>(std::vector<float>(16)));
 }
-#endif
 
-#ifdef CASE_try_view_of_temporary
+#elif defined(CASE_try_view_of_temporary)
 // expect: borrowed_range
 #include <tactnet/tensor/batch.hpp>
 
@@ -111,9 +100,8 @@ void run() {
 void run() {
     static_cast<void>(tactnet::try_view<tactnet::shape{2, 3}>(std::vector<float>(6)));
 }
-#endif
 
-#ifdef CASE_view_of_temporary
+#elif defined(CASE_view_of_temporary)
 // expect: would dangle
 #include <tactnet/tensor/tensor.hpp>
 
@@ -122,9 +110,8 @@ using map = tactnet::tensor<float, tactnet::shape{2, 3}>;
 void run() {
     static_cast<void>(map().view());
 }
-#endif
 
-#ifdef CASE_images_as_taken_of_temporary
+#elif defined(CASE_images_as_taken_of_temporary)
 // expect: use of deleted function|deleted (constructor|function)
 // expect: borrowed_span
 #include <tactnet/training.hpp>
@@ -133,9 +120,8 @@ void run() {
 
 std::vector<std::uint8_t> recorded();
 const auto taken = tactnet::images_as_taken::of<tactnet::shape{28, 50}, tactnet::shape{7, 13}>(recorded());
-#endif
 
-#ifdef CASE_labelled_features_of_temporary
+#elif defined(CASE_labelled_features_of_temporary)
 // expect: use of deleted function|deleted (constructor|function)
 // expect: borrowed_span
 #include <tactnet/training.hpp>
@@ -145,9 +131,8 @@ const auto taken = tactnet::images_as_taken::of<tactnet::shape{28, 50}, tactnet:
 std::vector<std::size_t> labels();
 const std::vector<float> values{1, 2};
 const tactnet::labelled_features features{values, labels(), 2};
-#endif
 
-#ifdef CASE_labelled_images_of_temporary
+#elif defined(CASE_labelled_images_of_temporary)
 // expect: use of deleted function|deleted (constructor|function)
 // expect: image_pixels
 #include <tactnet/training.hpp>
@@ -161,9 +146,8 @@ struct data_set {
 data_set load();
 const std::vector<std::size_t> labels{0, 1};
 const tactnet::labelled_images images{load().pixels, labels, 2};
-#endif
 
-#ifdef CASE_labelled_images_of_floats
+#elif defined(CASE_labelled_images_of_floats)
 // expect: labelled_images: images are 8-bit counts .std::uint8_t.; for floats, such as features or filtered values, use labelled_features
 #include <tactnet/training.hpp>
 

@@ -7,32 +7,28 @@
 int main() {
     return TACTNET_VERSION_MAJOR;
 }
-#endif
 
-#ifdef CASE_other_message
+#elif defined(CASE_other_message)
 // expect: an image of 3 rows is too small
 int main() {
     static_assert(false, "something else is wrong");
 }
-#endif
 
-#ifdef CASE_too_many_errors
+#elif defined(CASE_too_many_errors)
 // expect: the first is wrong
 // at-most: 1
 int main() {
     static_assert(false, "the first is wrong");
     static_assert(false, "the second is wrong");
 }
-#endif
 
-#ifdef CASE_too_many_characters
+#elif defined(CASE_too_many_characters)
 // expect: static.assert.*the sentence
 // at-most: 1
 // characters: 20
 static_assert(false, "the sentence");
-#endif
 
-#ifdef CASE_no_expectation
+#elif defined(CASE_no_expectation)
 int main() {
     static_assert(false, "a case that does not say what it expects");
 }
