@@ -4,14 +4,16 @@
 // frames are of the size that the description says and hold counts or pressures, and damage is reported with
 // its place.
 
+#include "fuzz_target.hpp"
+
 #include <tactnet/sensors/decoder.hpp>
+#include <tactnet/sensors/described/description_file.hpp>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <optional>
 #include <span>
 #include <string>
@@ -20,11 +22,6 @@
 #include <vector>
 
 namespace fuzz {
-
-inline void require(bool holds) {
-    if (!holds)
-        std::abort();
-}
 
 /// What came out, in a form that can be compared.
 struct outcome {
@@ -94,6 +91,13 @@ template <tactnet::frame_decoder Decoder>
 void check(const Decoder& decoder, std::span<const std::byte> bytes, cells_of cells = cells_of::recordings) {
     const std::size_t piece = bytes.size() % 3 == 0 ? 7 : 1;
     require(decode(decoder, bytes, piece, cells) == decode(decoder, bytes, 0, cells));
+}
+
+inline std::vector<tactnet::sensor_description> parsed(std::span<const std::string_view> descriptions) {
+    std::vector<tactnet::sensor_description> all;
+    for (const std::string_view description : descriptions)
+        all.push_back(tactnet::parse_sensor(description));
+    return all;
 }
 
 inline std::span<const std::byte> bytes_of(const std::uint8_t* data, std::size_t size) {

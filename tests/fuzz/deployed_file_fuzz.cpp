@@ -11,7 +11,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <span>
 #include <string>
@@ -19,6 +18,8 @@
 #include <vector>
 
 namespace {
+
+using fuzz::require;
 
 /// Small, with all that arrays may be: of words, sums, a batch norm, branches, an average pool.
 using net = tactnet::network<tactnet::shape{3, 4}, tactnet::conv2d<4, 2>, tactnet::relu,
@@ -28,11 +29,6 @@ using net = tactnet::network<tactnet::shape{3, 4}, tactnet::conv2d<4, 2>, tactne
                              tactnet::average_pool<2>, tactnet::dense<3>>;
 using in_bytes = tactnet::deployed<net, tactnet::eight_bit>;
 constexpr std::size_t pixels = net::input_shape.size();
-
-void require(bool holds) {
-    if (!holds)
-        std::abort();
-}
 
 std::vector<std::uint8_t> frames() {
     std::vector<std::uint8_t> all;

@@ -4,10 +4,20 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <vector>
 
 /// Must take any bytes. Aborts when something that holds for all inputs does not.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+
+namespace fuzz {
+
+inline void require(bool holds) {
+    if (!holds)
+        std::abort();
+}
+
+} // namespace fuzz
 
 /// The seed corpus: valid inputs, small, that together show all of the format.
 std::vector<std::vector<std::uint8_t>> fuzz_seeds();

@@ -4,7 +4,6 @@
 #include "decoder_fuzz.hpp"
 #include "fuzz_target.hpp"
 
-#include <tactnet/sensors/described/description_file.hpp>
 #include <tactnet/sensors/described/matrix_stream.hpp>
 
 #include <array>
@@ -31,12 +30,7 @@ constexpr std::array<std::string_view, 8> descriptions{
 } // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    static const auto known = [] {
-        std::vector<tactnet::sensor_description> parsed;
-        for (const std::string_view description : descriptions)
-            parsed.push_back(tactnet::parse_sensor(description));
-        return parsed;
-    }();
+    static const auto known = fuzz::parsed(descriptions);
     fuzz_forms(size, 2 * known.size(), [&](std::size_t i) {
         fuzz::check(tactnet::matrix_stream(known[i / 2], static_cast<tactnet::frame_delivery>(i % 2)),
                     fuzz::bytes_of(data, size), fuzz::cells_of::described);

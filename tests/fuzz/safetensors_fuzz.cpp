@@ -11,7 +11,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,13 +19,9 @@
 
 namespace {
 
+using fuzz::require;
 using tactnet::element_type;
 using tactnet::safetensors;
-
-void require(bool holds) {
-    if (!holds)
-        std::abort();
-}
 
 template <class T>
 void read_as(const safetensors& file, const std::string& name, std::size_t elements) {

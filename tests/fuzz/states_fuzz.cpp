@@ -13,7 +13,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -21,6 +20,7 @@
 
 namespace {
 
+using fuzz::require;
 using health = tactnet::sensor_health<tactnet::shape{3, 8}>;
 using means = tactnet::class_means<2, 3>;
 using map = tactnet::discriminant<3, 2>;
@@ -56,11 +56,6 @@ struct stream {
 };
 using float_stream = stream<tactnet::single_precision>;
 using byte_stream = stream<tactnet::eight_bit>;
-
-void require(bool holds) {
-    if (!holds)
-        std::abort();
-}
 
 template <class State>
 auto saved(const State& state) {

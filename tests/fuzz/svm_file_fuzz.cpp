@@ -8,7 +8,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <cstring>
 #include <string_view>
 #include <type_traits>
@@ -17,14 +16,10 @@
 
 namespace {
 
+using fuzz::require;
 using linear = tactnet::linear_machine<>;
 template <class Kernel>
 using kernel = tactnet::kernel_machine<Kernel>;
-
-void require(bool holds) {
-    if (!holds)
-        std::abort();
-}
 
 template <class Machine>
 Machine load(const tactnet::safetensors& file) {
