@@ -105,10 +105,8 @@ private:
     }
 
     template <class Sink>
-    decode_status end(Sink&) {
-        if (description().rows == 0)
-            damage({"a line 'time[secs] …'"}, {"the end of the data"});
-        return status();
+    bool end(Sink&) {
+        return description().rows > 0 || damage({"a line 'time[secs] …'"}, {"the end of the data"});
     }
 
     double unit_ = 1;

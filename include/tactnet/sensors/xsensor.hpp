@@ -161,14 +161,12 @@ private:
         return true;
     }
     template <class Sink>
-    decode_status end(Sink& sink) {
+    bool end(Sink& sink) {
         if (!number_)
-            damage({"a line 'FRAME'"}, {"the end of the data"});
-        else if (in_sensels_ && rows_read_ < rows_)
-            damage({rows_, " rows of a sensor"}, {rows_read_});
-        else
-            deliver(sink);
-        return status();
+            return damage({"a line 'FRAME'"}, {"the end of the data"});
+        if (in_sensels_ && rows_read_ < rows_)
+            return damage({rows_, " rows of a sensor"}, {rows_read_});
+        return deliver(sink);
     }
     /// "08:21:17.982" in seconds.
     static std::optional<double> seconds_of(std::string_view text) {

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <tactnet/sensors/decoder.hpp>
 #include <tactnet/sensors/tekscan/header.hpp>
 #include <tactnet/sensors/tekscan/line.hpp>
 #include <tactnet/sensors/tekscan/row.hpp>
 #include <tactnet/sensors/text/lines.hpp>
 #include <tactnet/sensors/text/measures.hpp>
+#include <tactnet/sensors/text_recording.hpp>
 #include <tactnet/text/message.hpp>
 
 #include <algorithm>
@@ -30,38 +30,27 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 ///
 /// Memory: one frame (six bytes per cell, at most largest_frame_cells cells), one line and one header of at
 /// most largest_header_bytes and largest_header_lines, the header cut into keys and values.
-class tekscan_ascii : public decoder_base {
+class tekscan_ascii : public text_recording<tekscan_ascii> {
 public:
     tekscan_ascii() { mutable_description().format = "Tekscan ASCII"; }
-
-    template <class Sink>
-    decode_status push(std::span<const std::byte> bytes, Sink&& sink) {
-        if (status() != decode_status::damaged &&
-            !lines_.push(bytes, [&](const text_line& line) { return push_line(line, sink); }) &&
-            lines_.too_long())
-            fail_at({{}, lines_.byte(), lines_.number()}, 0,
-                    {"a line of at most ", largest_header_bytes, " bytes"}, {"a longer one"});
-        return status();
-    }
-
-    template <class Sink>
-    decode_status finish(Sink&& sink) {
-        if (status() != decode_status::damaged)
-            lines_.finish([&](const text_line& line) { return push_line(line, sink); });
-        if (status() == decode_status::reading)
-            push_end({last_, {}, tekscan_line_kind::end_of_data}, sink);
-        return status();
-    }
 
     /// How many frames have a 'Raw Sum' that is the sum of their cells.
     [[nodiscard]] std::uint64_t matching_sums() const noexcept { return matching_sums_; }
 
 private:
+    friend class text_recording<tekscan_ascii>;
+
+    [[nodiscard]] bool before_frames() const noexcept { return header_.next() == tekscan_part::header; }
+    template <class Sink>
+    bool end(Sink& sink) {
+        return push_end({last_, {}, tekscan_line_kind::end_of_data}, sink);
+    }
+
     // Returns false if no more lines are to be read, as do the functions below.
     template <class Sink>
-    bool push_line(const text_line& line, Sink& sink) {
+    bool read_line(const text_line& line, Sink& sink) {
         last_ = {{}, line.byte + line.text.size(), line.number};
-        if (header_.next() == tekscan_part::header)
+        if (before_frames())
             return push_header(line);
         const tekscan_line read = detail::read_data_line(line, unquoted_);
         if (read.kind == tekscan_line_kind::blank)
@@ -201,7 +190,7 @@ private:
     /// Takes the closing line or the end of the data.
     template <class Sink>
     bool push_end(const tekscan_line& line, Sink& sink) {
-        if (header_.next() == tekscan_part::header)
+        if (before_frames())
             return fail_at(line.source, 0, {"a header that ends with 'ASCII_DATA @@'"}, {line.shown()});
         if (open_ && !close_frame(line, sink))
             return false;
@@ -231,15 +220,6 @@ private:
         return std::abs(sum_ - *frame_.raw_sum) <= 0.5 + 0.05 * static_cast<double>(pressed);
     }
 
-    bool fail_at(const text_line& line, std::size_t column, detail::text_parts expected,
-                 detail::text_parts found) {
-        const bool in_header = header_.next() == tekscan_part::header;
-        fail({line.byte + column, line.number, in_header ? 0 : frames() + 1, detail::joined(expected),
-              detail::joined(found), missing_frames()});
-        return false;
-    }
-
-    line_splitter lines_;
     tekscan_header header_;
     tekscan_frame_line frame_;
     tekscan_frame_times times_;
