@@ -13,10 +13,11 @@ struct classify_options {
 int classify(const classify_options& o) {
     const loaded_weights weights = load_weights(o.weights);
     const std::size_t rows = weights.what->rows, columns = weights.what->columns;
+    const std::optional<double> full_scale = o.weights.images.full_scale();
     // All images are looked at before anything is said, so that a bad one does not leave half a list.
     std::vector<std::uint8_t> pixels;
     for (const std::string& path : o.images) {
-        const tactnet::grey_image image = load_image(path, rows, columns, o.weights.images);
+        const tactnet::grey_image image = load_image(path, rows, columns, o.weights.images, full_scale);
         pixels.insert(pixels.end(), image.pixels.begin(), image.pixels.end());
     }
     // A line an image, whatever its path; names of classes are printable, or their file is not loaded.

@@ -138,9 +138,9 @@ image_data load_data(const std::filesystem::path& folder, std::size_t rows, std:
 }
 
 tactnet::grey_image load_image(const std::filesystem::path& path, std::size_t rows, std::size_t columns,
-                               const image_reading& how) {
+                               const image_reading& how, std::optional<double> full_scale) {
     check_no_device(path);
-    tactnet::grey_image image = in_bytes(decode_counts(path), how.full_scale(), path);
+    tactnet::grey_image image = in_bytes(decode_counts(path), full_scale, path);
     if (image.rows == rows && image.columns == columns)
         return image;
     if (!how.resize)

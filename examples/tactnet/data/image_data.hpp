@@ -83,10 +83,10 @@ private:
     std::vector<std::uint64_t> sums_;
 };
 
-/// One image to recognise, of the size asked for. Throws tactnet::file_error, and usage_error for another
-/// size without `how.resize`.
+/// One image to recognise, of the size asked for; `full_scale` is that of `how`. Throws tactnet::file_error,
+/// and usage_error for another size without `how.resize`.
 tactnet::grey_image load_image(const std::filesystem::path& path, std::size_t rows, std::size_t columns,
-                               const image_reading& how);
+                               const image_reading& how, std::optional<double> full_scale);
 
 /// Names of classes: subfolders of a folder, or lines of a text file. Throws tactnet::file_error and
 /// usage_error.
