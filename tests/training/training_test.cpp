@@ -16,6 +16,7 @@
 #include <cmath>
 #include <span>
 #include <stdexcept>
+#include <tuple>
 #include <variant>
 #include <vector>
 
@@ -205,6 +206,10 @@ TEST_CASE("recipe::default_for: small images are learnt from longer, four times 
     CHECK(recipe::default_for(28, 50).ranges.translation == 4);
     CHECK(recipe::default_for(14, 25).ranges.translation == 2);
     CHECK(recipe::default_for(28, 50).ranges.pressure == 0.3);
+    // The ends of a narrow array move as far, compared with its width.
+    for (const auto& [rows, columns, rotation] :
+         {std::tuple(28u, 50u, 15.0), {64u, 32u, 15.0}, {16u, 16u, 15.0}, {4u, 40u, 3.0}, {40u, 4u, 3.0}})
+        CHECK(recipe::default_for(rows, columns).ranges.rotation == rotation);
 }
 
 TEST_CASE("recipe::suited_to: few images are learnt from for more epochs, 16 times as many at most") {

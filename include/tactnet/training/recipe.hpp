@@ -84,10 +84,13 @@ struct recipe {
         // Smaller images take less time, so they get up to four times as many epochs.
         const std::size_t tactels = std::max<std::size_t>(rows * columns, 1);
         r.epochs = 110 * std::clamp<std::size_t>((28 * 50 + tactels / 2) / tactels, 1, 4);
+        // Of an array more than twice as long as wide, 15° would turn the ends out of the image.
+        const std::size_t longer = std::max<std::size_t>(std::max(rows, columns), 1);
+        const double width = static_cast<double>(std::min(rows, columns)) / static_cast<double>(longer);
         r.ranges = {.reflect_rows = 0.5,
                     .reflect_columns = 0.5,
                     .translation = 4 * tactel,
-                    .rotation = 15,
+                    .rotation = 15 * std::min(1.0, 2 * width),
                     .scale = 0.1,
                     .pressure = 0.3};
         r.averaging = 0.99;
