@@ -10,8 +10,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <support/files/temporary_folder.hpp>
+#include <utility>
 #include <vector>
 
 using namespace tactnet;
@@ -155,6 +157,39 @@ TEST_CASE("choose_augmentation: finds partners, judges kinds on held-out groups,
     how.augmentation = augmentation_rule::none;
     CHECK(choose().trials.empty());
     CHECK(choose().chosen.ranges == how.ranges);
+}
+
+TEST_CASE("choose_augmentation: an interrupted search resumes bit-identically, without what is known") {
+    const sides_task task(true);
+    thread_pool threads(1);
+    recipe how = recipe::default_for(size.rows, size.columns);
+    how.epochs = 40;
+    const trainable_network<net> fresh;
+    trial_scores known;
+    std::size_t asked = 0; // once an epoch, and at the end of a short training
+    const auto choose = [&](std::size_t most) {
+        asked = 0;
+        return choose_augmentation(
+            fresh, how, task.images(), task.all, task.groups, 1, threads, {}, [&] { return asked++ >= most; },
+            220, {}, &known);
+    };
+    const augmentation_choice whole = choose(1000);
+    const trial_scores all = std::exchange(known, {});
+    const std::size_t asked_in_all = asked, halfway = asked / 2;
+    REQUIRE(all.size() == whole.trials.size() + 1);
+    choose(halfway);
+    const std::size_t done = known.size();
+    CHECK((done > 0 && done < all.size()));
+    for (const std::size_t repeated : {all.size() - done, std::size_t{0}}) {
+        const augmentation_choice resumed = choose(1000);
+        CHECK(asked == repeated * asked_in_all / all.size() + all.size() - repeated);
+        CHECK(known == all);
+        CHECK(resumed.chosen.ranges == whole.chosen.ranges);
+        CHECK(resumed.chosen.function == whole.chosen.function);
+        CHECK(resumed.reasons == whole.reasons);
+    }
+    known.back().pop_back();
+    CHECK_THROWS_AS(choose(1000), std::invalid_argument);
 }
 
 TEST_CASE("scores_of: of each class of each group, or of four parts of it if there are few") {

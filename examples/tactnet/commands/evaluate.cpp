@@ -124,6 +124,9 @@ int evaluate(const evaluate_options& o) {
     std::vector<task> all = tasks_of(candidates, plan);
     const std::vector<task> of_parts = tasks_of(parts, plan);
     all.insert(all.end(), of_parts.begin(), of_parts.end());
+    for (const task& t : all)
+        if (std::error_code ignored; o.afresh)
+            std::filesystem::remove(trials_of(t, results), ignored);
     if (o.elsewhere)
         static_cast<void>(take_from_elsewhere(all, results, false)); // which warns of them
     if (!train_all(all, o.jobs, results))

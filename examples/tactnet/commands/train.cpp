@@ -76,6 +76,9 @@ public:
         if (o.resume) { // before anything is found that another training may have kept
             check_no_device(checkpoint);
             tactnet::check_checkpoint(checkpoint, settings);
+            const auto kept = tactnet::safetensors_source::open(checkpoint, tactnet::checksum_rule::ignore);
+            trials = trials_in(kept);
+            begun = kept.tensors().size() > 1; // not of the progress of no epoch alone
         }
         const auto from = load_start(what, o.training, data.images.classes);
         auto begins_with = open_pretrained(what, o.training);
@@ -88,9 +91,13 @@ public:
         }
         auto split = split_for(data, o.training, rule, o.seed);
         catch_interrupts();
-        const auto choice = choose_recipe(what, o.training, data, split.training, o.seed, threads);
+        const auto choice = choose_recipe(what, o.training, data, split.training, o.seed, threads, &trials);
         if (interrupted()) {
-            tell("stopped before the training\n");
+            const bool kept = !begun && !trials.empty() && keep().empty();
+            tell("stopped before the training{}\n",
+                 kept ? fmt::format("; the same command with --resume goes on from {}",
+                                    printable(checkpoint.string()))
+                      : "");
             return interrupted_by_user;
         }
         recipe.epochs = choice.chosen.epochs;
@@ -142,11 +149,21 @@ private:
             check_no_checkpoint(checkpoint, o.afresh);
     }
 
-    /// Empty, or why the checkpoint could not be written.
+    /// The settings with what images chose, and why, as a checkpoint has them.
+    tactnet::file_metadata described() const {
+        tactnet::file_metadata all = with_trials(settings, trials);
+        all.insert(chosen.begin(), chosen.end());
+        return all;
+    }
+
+    /// Empty, or why the checkpoint could not be written: of the trials alone before the first epoch.
     std::string keep() const {
         try {
             make_folder_of(checkpoint);
-            epochs->save_checkpoint(checkpoint, settings);
+            if (epochs != nullptr)
+                epochs->save_checkpoint(checkpoint, described());
+            else
+                tactnet::save_checkpoint(checkpoint, {}, {}, described());
             return {};
         } catch (const std::runtime_error& error) {
             return error.what();
@@ -171,7 +188,7 @@ private:
 
     /// Trains until done or interrupted; returns whether it is done.
     bool run_epochs() {
-        if (o.resume && epochs->load_checkpoint(checkpoint, settings) == tactnet::checksum_state::absent)
+        if (begun && epochs->load_checkpoint(checkpoint, described()) == tactnet::checksum_state::absent)
             tell("{}: no checksum in it, so that damage may go unnoticed\n", printable(checkpoint.string()));
         catch_interrupts();
         progress line;
@@ -297,6 +314,8 @@ private:
     image_data data;
     tactnet::split_rule rule{};
     tactnet::file_metadata settings{}, chosen{}; ///< the latter: what images chose otherwise
+    tactnet::trial_scores trials;                ///< of the search for the augmentation
+    bool begun = false;                          ///< what is resumed has done more than trials
     std::unique_ptr<training_run> training;
     epoch_training* epochs = nullptr; ///< the same, of a network
 };

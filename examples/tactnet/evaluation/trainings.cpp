@@ -12,6 +12,7 @@
 #include "reports/classes.hpp"
 #include "reports/neighbours.hpp"
 
+#include <tactnet/io/checkpoint.hpp>
 #include <tactnet/io/write_file.hpp>
 
 #include <atomic>
@@ -54,26 +55,38 @@ training_result result_of(const trained_method& trained, const task& t, const tr
     return result;
 }
 
-/// Trains on one thread, until it is finished or interrupted.
-std::unique_ptr<training_run> train(const task& t, tactnet::thread_pool& alone) {
+/// Trains on one thread, until it is finished or interrupted. Then the scores of its short trainings are
+/// kept.
+std::unique_ptr<training_run> train(const task& t, const std::filesystem::path& kept,
+                                    tactnet::thread_pool& alone) {
     const candidate& c = *t.of;
     const image_data& data = *c.data;
     auto split = split_for(data, c.training, t.rule, t.seed);
+    tactnet::trial_scores trials;
+    if (std::filesystem::exists(kept)) {
+        tactnet::load_checkpoint(
+            kept, {}, [](auto) {}, t.settings);
+        trials = trials_in(tactnet::safetensors_source::open(kept));
+    }
     const tactnet::recipe recipe =
-        choose_recipe(*c.what, c.training, data, split.training, t.seed, alone).chosen;
+        choose_recipe(*c.what, c.training, data, split.training, t.seed, alone, &trials).chosen;
     auto training = c.what->train(recipe, data.view(), std::move(split), t.seed, alone, c.pretrained);
     start(*training, c.start.get());
     while (!training->finished() && !interrupted())
         training->advance();
+    if (!training->finished() && !trials.empty()) {
+        make_folder_of(kept);
+        tactnet::save_checkpoint(kept, {}, {}, with_trials(t.settings, trials));
+    }
     return training;
 }
 
 /// Returns results in single precision, and in 8 bits if the task says so; nothing if it was interrupted.
-std::vector<training_result> run(const task& t) {
+std::vector<training_result> run(const task& t, const std::filesystem::path& trials) {
     const image_data& data = *t.of->data;
     tactnet::thread_pool alone;
     const stopwatch watch;
-    const auto training = train(t, alone);
+    const auto training = train(t, trials, alone);
     const double seconds = watch.seconds();
     if (!training->finished())
         return {};
@@ -144,7 +157,7 @@ bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& resu
         std::vector<training_result> found;
         std::string problem;
         try {
-            found = run(t);
+            found = run(t, trials_of(t, results));
         } catch (const tactnet::training_diverged& error) {
             problem = title_of(t) + ": " + error.what();
             if (diverged == nullptr)
@@ -152,9 +165,11 @@ bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& resu
         }
         const std::lock_guard lock(mutex);
         --running;
-        if (!found.empty())
+        if (!found.empty()) {
             keep(t, std::move(found));
-        else if (!problem.empty())
+            std::error_code ignored;
+            std::filesystem::remove(trials_of(t, results), ignored);
+        } else if (!problem.empty())
             diverged->push_back(problem);
         mine.release(name_for(t));
     };
@@ -208,6 +223,10 @@ bool run_all(const std::vector<task>& tasks, std::size_t jobs, result_list& resu
 
 std::filesystem::path predictions_of(const candidate& c, const tactnet::file_metadata& settings) {
     return c.predictions / (fingerprint_of(settings) + ".csv");
+}
+
+std::filesystem::path trials_of(const task& t, const result_list& results) {
+    return results.path().parent_path() / "trials" / fingerprint_of(t.settings);
 }
 
 void add_evaluation_options(CLI::App& app, evaluation_options& o) {

@@ -35,6 +35,9 @@ struct task {
 /// Where the predictions of a training are, by its settings.
 std::filesystem::path predictions_of(const candidate& c, const tactnet::file_metadata& settings);
 
+/// Where an interrupted training keeps what its short trainings have scored.
+std::filesystem::path trials_of(const task& t, const result_list& results);
+
 struct split_plan {
     std::vector<tactnet::split_rule> rules;
     std::uint64_t first_seed = 0;

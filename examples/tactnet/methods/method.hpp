@@ -209,8 +209,10 @@ public:
     virtual tactnet::augmentation_choice choose(const tactnet::recipe& recipe, const image_data&,
                                                 std::span<const std::size_t> training, std::uint64_t seed,
                                                 tactnet::thread_pool&, bool trials,
-                                                const tactnet::fixed_augmentation&) const {
+                                                const tactnet::fixed_augmentation&,
+                                                tactnet::trial_scores* known) const {
         static_cast<void>(training), static_cast<void>(seed), static_cast<void>(trials);
+        static_cast<void>(known);
         return {recipe, {}, {}};
     }
     /// The images must outlive the training. Support vector machines have settings of their own in place of

@@ -6,6 +6,8 @@
 
 #include <tactnet/text/message.hpp>
 
+#include <nlohmann/json.hpp>
+
 #include <numeric>
 
 namespace {
@@ -302,7 +304,8 @@ std::vector<std::size_t> partners_of(std::span<const std::string> pairs,
 
 tactnet::augmentation_choice choose_recipe(const method& what, const training_settings& s,
                                            const image_data& data, std::span<const std::size_t> training,
-                                           std::uint64_t seed, tactnet::thread_pool& threads) {
+                                           std::uint64_t seed, tactnet::thread_pool& threads,
+                                           tactnet::trial_scores* known) {
     tactnet::recipe recipe = recipe_for(what, s, training.size());
     if (!s.partners.empty()) {
         recipe.ranges.reflect_columns = 0.5;
@@ -314,7 +317,25 @@ tactnet::augmentation_choice choose_recipe(const method& what, const training_se
                        {.rows = s.reflect.has_value(),
                         .columns = s.reflect || !s.partners.empty(),
                         .movement = s.rotation || s.translation || s.scale,
-                        .function = s.function.has_value()});
+                        .function = s.function.has_value()},
+                       known);
+}
+
+tactnet::file_metadata with_trials(tactnet::file_metadata settings, const tactnet::trial_scores& scores) {
+    if (!scores.empty())
+        settings["trials"] = nlohmann::json(scores).dump();
+    return settings;
+}
+
+tactnet::trial_scores trials_in(const tactnet::safetensors_index& checkpoint) {
+    const std::string* const text = checkpoint.find_metadata("setting.trials");
+    try {
+        return text == nullptr ? tactnet::trial_scores()
+                               : nlohmann::json::parse(*text).get<tactnet::trial_scores>();
+    } catch (const nlohmann::json::exception& error) {
+        throw tactnet::file_error(checkpoint.file(), "metadata 'setting.trials'", "lists of numbers",
+                                  error.what());
+    }
 }
 
 tactnet::recipe recipe_for(const method& what, const training_settings& s, std::size_t training_images) {

@@ -91,10 +91,16 @@ inline const std::vector<std::string> recipe_names{"default", "thorough", "publi
 tactnet::recipe recipe_for(const method& what, const training_settings& settings,
                            std::size_t training_images = 0);
 
-/// The recipe for a training on these images of a folder, with what they choose, and why. Throws usage_error.
+/// The recipe for a training on these images of a folder, with what they choose, and why. Short trainings
+/// whose scores are `known` are not repeated, and those of others are added. Throws usage_error.
 tactnet::augmentation_choice choose_recipe(const method& what, const training_settings& settings,
                                            const image_data& data, std::span<const std::size_t> training,
-                                           std::uint64_t seed, tactnet::thread_pool& threads);
+                                           std::uint64_t seed, tactnet::thread_pool& threads,
+                                           tactnet::trial_scores* known = nullptr);
+/// The settings of a checkpoint, with the scores of the short trainings that chose.
+tactnet::file_metadata with_trials(tactnet::file_metadata settings, const tactnet::trial_scores& scores);
+/// The scores in a checkpoint; none in one without. Throws tactnet::file_error.
+tactnet::trial_scores trials_in(const tactnet::safetensors_index& checkpoint);
 
 /// The pretrained file in the settings, opened; null for a method that needs none. Throws usage_error where
 /// it is missing or of no use, and tactnet::file_error.

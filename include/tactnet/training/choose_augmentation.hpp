@@ -13,6 +13,7 @@
 #include <map>
 #include <set>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -39,6 +40,9 @@ struct fixed_augmentation {
     bool movement = false;              ///< translation, rotation and scale
     bool function = false;              ///< of counts
 };
+/// What each short training has scored so far, in the order of the search. A caller who stores them need not
+/// repeat these trainings after an interruption.
+using trial_scores = std::vector<std::vector<double>>;
 
 namespace detail {
 
@@ -149,7 +153,7 @@ public:
     augmentation_search(const trainable& network, const recipe& how, const labelled_samples& samples,
                         std::span<const std::size_t> training, std::span<const std::size_t> groups,
                         std::uint64_t seed, thread_pool& threads, const std::function<bool()>& stop,
-                        std::size_t most_epochs, const fixed_augmentation& fixed)
+                        std::size_t most_epochs, const fixed_augmentation& fixed, trial_scores& known)
         : network_(network),
           samples_(samples),
           groups_(groups),
@@ -159,6 +163,7 @@ public:
           stop_(stop),
           most_epochs_(most_epochs),
           fixed_(fixed),
+          known_(known),
           result_{how, {}, {}} {}
 
     [[nodiscard]] augmentation_choice run(const reflection_rule& found, std::span<const std::string> names) {
@@ -186,12 +191,13 @@ public:
                 "too few images or epochs for short trainings: the rest stays as in the recipe");
             return result_;
         }
-        const std::vector<double> before = scores(start);
+        std::size_t trial = 0;
+        if (!score(start, trial++))
+            return result_;
         for (const auto& [v, r] : changed) {
-            const std::vector<double> after = scores(r);
-            if (stop_ && stop_())
+            if (!score(r, trial))
                 return result_;
-            judge(*v, before, after);
+            judge(*v, known_.front(), known_[trial++]);
         }
         if (result_.reasons.empty())
             result_.reasons.emplace_back("as in the recipe: no trial did clearly better on held-out images");
@@ -219,17 +225,27 @@ private:
             result_.reasons.push_back(joined(
                 {"reflections of ", axis, " exchange the classes that mean images say they do: ", pairs}));
     }
-    /// The scores of a short training on what was held out.
-    [[nodiscard]] std::vector<double> scores(recipe r) const {
+    /// Trains shortly for the scores on what was held out, unless they are known. Returns whether they are.
+    [[nodiscard]] bool score(recipe r, std::size_t trial) {
+        if (trial < known_.size()) {
+            if (known_[trial].size() != known_.front().size())
+                throw std::invalid_argument("augmentation: expected scores of the same search, found others");
+            return !(stop_ && stop_());
+        }
         r.epochs = epochs_;
         r.validate_every = epochs_ + 1;
         r.patience = 0;
         training_loop loop(network_.copy(), r, samples_, {split_.training, {}, {}}, seed_, threads_);
-        while (!loop.finished() && !(stop_ && stop_()))
+        while (!(stop_ && stop_())) {
+            if (loop.finished()) {
+                known_.push_back(scores_of(evaluate(loop.latest(), loop.mean(), loop.scale(), samples_,
+                                                    split_.validation, threads_, {}, loop.function()),
+                                           samples_, split_.validation, groups_));
+                return true;
+            }
             loop.run_epoch();
-        return scores_of(evaluate(loop.latest(), loop.mean(), loop.scale(), samples_, split_.validation,
-                                  threads_, {}, loop.function()),
-                         samples_, split_.validation, groups_);
+        }
+        return false;
     }
     void judge(const recipe_variation& v, std::span<const double> before, std::span<const double> after) {
         double sum = 0, squares = 0;
@@ -270,6 +286,7 @@ private:
     static constexpr std::size_t fewest_epochs = 4; ///< of a trial that says anything
     const std::size_t most_epochs_;
     const fixed_augmentation fixed_;
+    trial_scores& known_;
     std::size_t epochs_ = 0, steps_ = 0; ///< of a trial
     augmentation_choice result_;
 };
@@ -294,13 +311,14 @@ choose_augmentation(const trainable& network, const recipe& how, const labelled_
                     std::span<const std::size_t> training, std::span<const std::size_t> groups,
                     std::uint64_t seed, thread_pool& threads, std::span<const std::string> names = {},
                     const std::function<bool()>& stop = {}, std::size_t most_epochs = 220,
-                    const fixed_augmentation& fixed = {}) {
+                    const fixed_augmentation& fixed = {}, trial_scores* known = nullptr) {
     if (!samples.are_images() || how.augmentation == augmentation_rule::none)
         return {how, {}, {"no augmentation to choose from"}};
     const auto compared = detail::groups_to_compare(samples, training, groups);
+    trial_scores own;
     augmentation_choice found =
         detail::augmentation_search(network, how, samples, training, compared, seed, threads, stop,
-                                    most_epochs, fixed)
+                                    most_epochs, fixed, known == nullptr ? own : *known)
             .run(find_reflections(network.input_shape(), samples, training, compared), names);
     if (compared.empty() && !groups.empty())
         found.reasons.emplace(found.reasons.begin(),

@@ -99,6 +99,32 @@ TEST_SUITE("program") {
                      "evaluation.jsonl: line 1: expected a result of tactnet evaluate, found");
     }
 
+    TEST_CASE("evaluate: short trainings of an interrupted one are kept until it is done, the same result") {
+        const workshop shop;
+        const auto arguments = [](const char* results) {
+            return "evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --epochs 1000 --batch 1 "
+                   "--split random --splits 1 --jobs 1 --results" +
+                   words{results};
+        };
+        const fs::path trials = shop / "r/trials";
+        for (int ms = 50; ms < 10'000 && !fs::exists(trials); ms += ms / 4) {
+            const pid_t child = shop.start(arguments("r"));
+            std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+            shop.stop(child, SIGINT);
+        }
+        REQUIRE(fs::exists(trials));
+        const fs::path kept = fs::directory_iterator(trials)->path();
+        const std::string whole = text_of(kept);
+        tactnet::write_file(kept, whole.substr(1));
+        CHECK(shop.run(arguments("r")).status == 2);
+        tactnet::write_file(kept, whole);
+        shop.succeeds(arguments("r"));
+        CHECK(fs::is_empty(trials));
+        shop.succeeds(arguments("whole"));
+        for (const char* found : {"predictions_tactnet4_7x13.csv", "confusion_tactnet4_7x13.csv"})
+            CHECK(shop.text(fs::path("r") / found) == shop.text(fs::path("whole") / found));
+    }
+
     TEST_CASE("evaluate: what mean images choose for the thorough recipe is described") {
         const workshop shop;
         for (const char* more : {"", "--augmentation each-epoch"})

@@ -305,6 +305,36 @@ TEST_SUITE("program") {
         CHECK(shop.text("net") == shop.text("whole"));
     }
 
+    TEST_CASE("resume: what short trainings have found is kept and not found again, the same bits") {
+        const workshop shop;
+        const words arguments = shop.train_arguments("--epochs 1000 --batch 1");
+        shop.succeeds(arguments + "--output whole");
+        // Stopped while images choose the augmentation, whenever that is, and after it.
+        std::string stopped;
+        for (int ms = 4; ms < 4000 && !stopped.ends_with("goes on from net.checkpoint\n"); ms += ms / 4) {
+            const pid_t child = shop.start(arguments + "--output net --afresh");
+            std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+            stopped = shop.stop(child, SIGINT).error;
+            if (!stopped.starts_with("stopped before the training"))
+                stopped.clear();
+        }
+        REQUIRE(stopped.starts_with("stopped before the training; the same command with --resume goes on "));
+        const auto trials = [&](const char* name) {
+            return tactnet::safetensors::read(shop / name).metadata().at("setting.trials");
+        };
+        const std::string first = trials("net.checkpoint");
+        const pid_t child = shop.start(arguments + "--output net --resume");
+        shop.wait_for_first_epoch(child);
+        REQUIRE(shop.stop(child, SIGINT).status == 130);
+        CHECK(trials("net.checkpoint").starts_with(first.substr(0, first.size() - 1)));
+        // Those that are kept decide, whatever the images say.
+        rewrite_metadata(shop / "net.checkpoint", shop / "other", "setting.trials", "[[0.5],[0.9],[0.9]]");
+        const outcome other = shop.run(arguments + "--output net --resume --checkpoint other");
+        says(other.error, "other: setting 'chosen_augmentation_ranges' of the stopped training: expected ");
+        shop.succeeds(arguments + "--output net --resume");
+        CHECK(shop.text("net") == shop.text("whole"));
+    }
+
     TEST_CASE("resume: what started from a weight file goes on from that one only") {
         const workshop shop;
         shop.trains("--epochs 1 --output first");
