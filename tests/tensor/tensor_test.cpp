@@ -41,6 +41,18 @@ TEST_CASE("aligned: blocks begin on a cache line, those of two large pages or mo
     }
 }
 
+TEST_CASE("aligned: weights fill large pages from 256 KiB on") {
+    for (const std::size_t bytes : {detail::least_weights_on_large_pages - 1,
+                                    detail::least_weights_on_large_pages, detail::large_page + 5}) {
+        CAPTURE(bytes);
+        detail::weight_vector<std::byte> weights(bytes);
+        const bool large = bytes >= detail::least_weights_on_large_pages;
+        CHECK(place_of(weights.data()) % (large ? detail::large_page : vector_alignment) == 0);
+        weights = detail::weight_vector<std::byte>(bytes, std::byte{7});
+        CHECK(weights.back() == std::byte{7});
+    }
+}
+
 TEST_CASE("aligned: what no size holds is refused") {
     aligned_allocator<double> memory;
     CHECK_THROWS_AS((void)memory.allocate(std::numeric_limits<std::size_t>::max() / 8),

@@ -277,7 +277,7 @@ private:
     }
 
     aligned_vector<float> folded_;
-    aligned_vector<typename Format::packed_number> packed_;
+    detail::weight_vector<typename Format::packed_number> packed_;
     std::vector<std::string> classes_;
     double temperature_ = 1;
     input_function function_;

@@ -177,7 +177,7 @@ private:
     }
 
     std::vector<float> folded_;
-    aligned_vector<typename Format::packed_number> packed_;
+    detail::weight_vector<typename Format::packed_number> packed_;
     double temperature_ = 1;
 };
 
