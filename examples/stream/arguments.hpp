@@ -26,6 +26,7 @@ struct arguments {
     std::size_t frames_of_air = 0;
     double rate = 0; ///< frames per second; 0: as they come
     bool paced = false;
+    bool awake = false; ///< while it waits
     bool help = false;
 };
 
@@ -49,7 +50,9 @@ inline constexpr const char* usage =
     "  --json      a JSON object per frame\n"
     "  --picture   each frame as a picture in a terminal of 24-bit colours, with 50 columns or more\n"
     "  --rate HZ   plays so many frames per second\n"
-    "  --paced     plays a recording at its own pace\n";
+    "  --paced     plays a recording at its own pace\n"
+    "  --awake     never sleeps while it waits for a frame: answers some microseconds sooner, for a whole "
+    "core\n";
 
 /// Something in the command line that cannot be.
 struct usage_error : std::runtime_error {
@@ -106,6 +109,8 @@ inline arguments read_arguments(std::span<const char* const> words) {
             result.as = arguments::output::picture;
         } else if (word == "--paced") {
             result.paced = true;
+        } else if (word == "--awake") {
+            result.awake = true;
         } else if (word.size() > 1 && word.front() == '-') {
             throw usage_error("unknown option " + tactnet::in_quotes(word));
         } else if (result.weights.empty()) {

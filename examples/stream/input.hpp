@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <stopwatch.hpp>
 #include <string>
+#include <thread>
 #include <utility>
 
 #if defined(_WIN32)
@@ -25,7 +26,7 @@ inline constexpr std::array<std::pair<unsigned, speed_t>, 1> port_speeds{{{11520
 /// Standard input alone, which says nothing of silence. Ports have an interface of their own on Windows.
 class byte_input {
 public:
-    byte_input(const std::string& port, unsigned) {
+    byte_input(const std::string& port, unsigned, bool) {
         if (!port.empty())
             throw std::runtime_error("cannot open " + port + ": on Windows, frames come from standard input");
     }
@@ -69,8 +70,9 @@ inline constexpr std::array<std::pair<unsigned, speed_t>, 16> port_speeds{{{9600
 
 class byte_input {
 public:
-    /// Standard input if `port` is empty.
-    byte_input(std::string port, unsigned speed) : port_(std::move(port)), speed_(speed) {
+    /// Standard input if `port` is empty. If `awake`, the thread does not sleep while it waits.
+    byte_input(std::string port, unsigned speed, bool awake)
+        : port_(std::move(port)), speed_(speed), awake_(awake) {
         if (port_.empty())
             file_ = STDIN_FILENO;
         else if (!open())
@@ -110,7 +112,11 @@ private:
     bool wait(const Say& say) {
         constexpr int patience = 1000; // milliseconds
         pollfd input{file_, POLLIN, 0};
-        const int ready = ::poll(&input, 1, silent_ ? -1 : patience);
+        int ready = ::poll(&input, 1, silent_ ? -1 : awake_ ? 0 : patience);
+        // Others may have the core in between, such as what brings the bytes.
+        for (const stopwatch waited; awake_ && ready == 0 && 1000 * waited.seconds() < patience;
+             ready = ::poll(&input, 1, 0))
+            std::this_thread::yield();
         if (ready == 0) {
             say("no frame for a second");
             silent_ = true;
@@ -158,6 +164,7 @@ private:
 
     std::string port_;
     unsigned speed_;
+    bool awake_;
     int file_ = -1;
     bool silent_ = false;
     stopwatch since_last_;

@@ -202,7 +202,7 @@ bool run(const arguments& given) {
     const auto reader = network.make(weights ? &*weights : nullptr, given.frames_of_air, scale);
     const std::vector<std::string> classes = reader->classes();
     stage to(given, *reader, classes);
-    byte_input input(given.port, given.speed);
+    byte_input input(given.port, given.speed, given.awake);
     switch (given.from) {
     case arguments::source::own:
         return run(own_device(), input, to);

@@ -20,6 +20,7 @@
 #include <string>
 #include <support/files/temporary_folder.hpp>
 #include <support/run_program.hpp>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <termios.h>
 #include <thread>
@@ -93,9 +94,17 @@ struct program {
     program(const program&) = delete;
     program& operator=(const program&) = delete;
     ~program() {
-        ::kill(process, SIGTERM);
-        ::waitpid(process, nullptr, 0);
+        if (process > 0)
+            stop();
         ::close(answers);
+    }
+    /// Milliseconds for which it had a core, and how often others got it although the program wanted it.
+    long stop() {
+        rusage used{};
+        ::kill(process, SIGTERM);
+        ::wait4(std::exchange(process, -1), nullptr, 0, &used);
+        return 1000 * (used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+               (used.ru_utime.tv_usec + used.ru_stime.tv_usec) / 1000 + used.ru_nivcsw;
     }
     /// Lines that come within some milliseconds; the first is waited for.
     std::string read(int milliseconds) const {
@@ -125,6 +134,11 @@ void write_network(const std::filesystem::path& path, const char* name = "tactne
 
 TEST_SUITE("stream") {
     TEST_CASE("stream: a serial line at 100 frames per second loses no frame, and is opened again") {
+        std::string wait = "--json";
+        SUBCASE("which sleeps while it waits") {}
+        SUBCASE("which stays awake") {
+            wait = "--awake";
+        }
         const support::temporary_folder folder;
         write_network(folder / "net");
         tactnet::write_file(folder / "mat.json", std::string(description));
@@ -134,10 +148,10 @@ TEST_SUITE("stream") {
         const std::string port = (folder / "port").string();
         auto first = std::make_unique<line>();
         std::filesystem::create_symlink(first->name, port);
-        const program stream({TACTNET_STREAM_PROGRAM, "--sensor", (folder / "mat.json").string(), "--port",
-                              port, "--speed", "921600", "--air", std::to_string(air), "--json",
-                              (folder / "net").string()},
-                             (folder / "error").string());
+        program stream({TACTNET_STREAM_PROGRAM, "--sensor", (folder / "mat.json").string(), "--port", port,
+                        "--speed", "921600", "--air", std::to_string(air), "--json", wait,
+                        (folder / "net").string()},
+                       (folder / "error").string());
         std::this_thread::sleep_for(std::chrono::milliseconds(500));
         std::string text;
         std::vector<double> microseconds;
@@ -149,8 +163,8 @@ TEST_SUITE("stream") {
             first->send(packet.substr(0, 200)); // as bytes come over a line
             std::this_thread::sleep_until(start + number * std::chrono::milliseconds(10) +
                                           std::chrono::milliseconds(3));
+            const auto sent = clock_type::now(); // the program may answer before `send` returns
             first->send(packet.substr(200));
-            const auto sent = clock_type::now();
             if (number < air)
                 continue;
             text += stream.read(2000);
@@ -193,6 +207,8 @@ TEST_SUITE("stream") {
         const std::string error = support::text_of(folder / "error");
         CHECK_MESSAGE(error.find("is lost, and opened again when it is there") != std::string::npos, error);
         CHECK(error.find("is there again") != std::string::npos);
+        if (wait == "--awake")
+            CHECK(stream.stop() > static_cast<long>(frames)); // asleep, a tenth of that
     }
 
     TEST_CASE("stream: touches are saved as images, without a network") {
