@@ -135,17 +135,6 @@ constexpr void write_ranges(float* to, const step_ranges& values) {
         Step::arrays.write_ranges(to, values);
 }
 
-/// The base of steps that cannot come first: they would treat the 16-bit words of the frame as bytes. They
-/// also derive from the version that reads bytes, so this is the only error shown.
-template <std::size_t Stride>
-struct cannot_read_the_frame {
-    static_assert(
-        Stride == 0,
-        "deploy: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a group, "
-        "instance, layer or local response norm: a convolution, a dense layer or a batch norm must come "
-        "first");
-};
-
 } // namespace detail
 
 }} // namespace tactnet

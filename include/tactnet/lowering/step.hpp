@@ -58,6 +58,10 @@ struct single_precision {
     static constexpr bool fuses_functions = true; ///< whether convolutions fuse other functions than a ReLU
 };
 
+/// A format of steps that read the map of another: not that of the frame, if it holds other numbers.
+template <class Format>
+concept format_of_maps = std::same_as<Format, typename Format::hidden_format>;
+
 /// Reads a frame into the map of the first step. Specialised for each number format.
 template <class Format, shape Input>
 struct input_stage;

@@ -58,10 +58,6 @@ struct activation_step<eight_bit, Function, Map, Stride> : step_base<eight_bit, 
     }
 };
 
-template <class Function, shape Map, std::size_t Stride>
-struct activation_step<eight_bit::input_format, Function, Map, Stride>
-    : activation_step<eight_bit, Function, Map, Stride>, detail::cannot_read_the_frame<Stride> {};
-
 /// A parametric ReLU in 8 bits: (byte − zero of the input) × factor, rounded once. The factor is that of the
 /// ranges, below the zero times the slope of the channel.
 template <shape Map, std::size_t Stride>
@@ -111,10 +107,6 @@ public:
             out[e] = in[e] > 0 ? in[e] : slopes[e % Map.channels] * in[e];
     }
 };
-
-template <shape Map, std::size_t Stride>
-struct parametric_relu_step<eight_bit::input_format, Map, Stride>
-    : parametric_relu_step<eight_bit, Map, Stride>, detail::cannot_read_the_frame<Stride> {};
 
 /// A square root in 8 bits, of the sensor's words or of bytes: √(x + offset) − √offset, and 0 for x < 0.
 template <class Input, shape Map, std::size_t Stride, class Offset>

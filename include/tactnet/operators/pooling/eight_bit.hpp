@@ -1,7 +1,6 @@
 #pragma once
 
 #include <tactnet/kernels/frame/pooling.hpp>
-#include <tactnet/kernels/frame/resampling.hpp>
 #include <tactnet/kernels/integer/elementwise.hpp>
 #include <tactnet/kernels/integer/rounding.hpp>
 #include <tactnet/lowering/eight_bit_format.hpp>
@@ -15,35 +14,6 @@
 #include <type_traits>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
-
-/// A max pool in 8 bits: the largest byte stands for the largest number.
-template <sliding_window Window, std::size_t Stride>
-struct pool_step<eight_bit, Window, Stride>
-    : step_base<eight_bit, shape{Window.output_rows(), Window.output_columns(), Window.input.channels},
-                Stride> {
-    static void run(const std::int8_t*, const std::uint8_t* in, std::uint8_t* out, std::uint8_t*) noexcept {
-        kernels::pool_frame<Window, Stride>(in, out);
-    }
-    /// For calibration, whose maps are not aligned.
-    static void reference(const float*, const float* in, float* out) {
-        kernels::largest_pixels<float>(windows_of(Window), Window.input.channels, in, out);
-    }
-};
-
-/// An adaptive max pool in 8 bits.
-template <shape Input, extent2d Output, std::size_t Stride>
-struct adaptive_max_pool_step<eight_bit, Input, Output, Stride>
-    : step_base<eight_bit, shape{Output.rows, Output.columns, Input.channels}, Stride> {
-    static constexpr pooling_windows bins{{Input.rows, Output.rows}, {Input.columns, Output.columns}};
-
-    static void run(const std::int8_t*, const std::uint8_t* in, std::uint8_t* out, std::uint8_t*) noexcept {
-        kernels::pool_frame<Stride>(bins, in, out);
-    }
-    /// For calibration, whose maps are not aligned.
-    static void reference(const float*, const float* in, float* out) {
-        kernels::largest_pixels<float>(bins, Input.channels, in, out);
-    }
-};
 
 /// An average pool in 8 bits: sums of integers, divided as they are rounded.
 template <class Output, pooling_windows Windows, std::size_t Channels, std::size_t Stride>
@@ -94,35 +64,6 @@ public:
     }
 };
 
-template <sliding_window Window, std::size_t Stride>
-struct pool_step<eight_bit::input_format, Window, Stride> : pool_step<eight_bit, Window, Stride>,
-                                                            detail::cannot_read_the_frame<Stride> {};
-
-template <shape Input, extent2d Output, std::size_t Stride>
-struct adaptive_max_pool_step<eight_bit::input_format, Input, Output, Stride>
-    : adaptive_max_pool_step<eight_bit, Input, Output, Stride>, detail::cannot_read_the_frame<Stride> {};
-
-template <class Output, pooling_windows Windows, std::size_t Channels, std::size_t Stride>
-struct average_pool_step<eight_bit_between<std::int16_t, Output>, Windows, Channels, Stride>
-    : average_pool_step<eight_bit_between<std::uint8_t, Output>, Windows, Channels, Stride>,
-      detail::cannot_read_the_frame<Stride> {};
-
-/// Nearest pixels in 8 bits: bytes as they are.
-template <shape Input, extent2d Output, std::size_t Stride>
-struct resampling_step<eight_bit, interpolation::nearest, Input, Output, Stride>
-    : step_base<eight_bit, shape{Output.rows, Output.columns, Input.channels}, Stride> {
-    using down = kernels::sampling_axis<interpolation::nearest, Input.rows, Output.rows>;
-    using along = kernels::sampling_axis<interpolation::nearest, Input.columns, Output.columns>;
-
-    static void run(const std::int8_t*, const std::uint8_t* in, std::uint8_t* out, std::uint8_t*) noexcept {
-        kernels::copy_nearest<down, along, Stride>(in, out);
-    }
-    /// For calibration, whose maps are not aligned.
-    static void reference(const float*, const float* in, float* out) {
-        kernels::copy_nearest<down, along, Input.channels, float, float>(in, out);
-    }
-};
-
 /// Bilinear interpolation in 8 bits: means of bytes stand for means of numbers, so the map keeps its range.
 template <shape Input, extent2d Output, std::size_t Stride>
 struct resampling_step<eight_bit, interpolation::bilinear, Input, Output, Stride>
@@ -140,30 +81,21 @@ struct resampling_step<eight_bit, interpolation::bilinear, Input, Output, Stride
                     std::uint8_t*) noexcept {
         kernels::resample_bytes<down, along, Stride>(in, detail::load_byte(packed_values), out);
     }
-    /// For calibration (reference.hpp).
-    static void reference(const float*, const float* in, float* out);
+    /// For calibration.
+    static void reference(const float*, const float* in, float* out) {
+        for (const auto& above : down::table)
+            for (const auto& beside : along::table)
+                for (std::size_t c = 0; c < Input.channels; ++c) {
+                    double sum = 0;
+                    for (std::size_t y = 0; y < down::taps; ++y)
+                        for (std::size_t x = 0; x < along::taps; ++x) {
+                            const std::size_t pixel = (above.first + y) * Input.columns + beside.first + x;
+                            sum += above.weights[y] * beside.weights[x] *
+                                   static_cast<double>(in[pixel * Input.channels + c]);
+                        }
+                    *out++ = static_cast<float>(sum);
+                }
+    }
 };
-
-template <interpolation Mode, shape Input, extent2d Output, std::size_t Stride>
-struct resampling_step<eight_bit::input_format, Mode, Input, Output, Stride>
-    : resampling_step<eight_bit, Mode, Input, Output, Stride>, detail::cannot_read_the_frame<Stride> {};
-
-template <shape Input, extent2d Output, std::size_t Stride>
-void resampling_step<eight_bit, interpolation::bilinear, Input, Output, Stride>::reference(const float*,
-                                                                                           const float* in,
-                                                                                           float* out) {
-    for (const auto& above : down::table)
-        for (const auto& beside : along::table)
-            for (std::size_t c = 0; c < Input.channels; ++c) {
-                double sum = 0;
-                for (std::size_t y = 0; y < down::taps; ++y)
-                    for (std::size_t x = 0; x < along::taps; ++x) {
-                        const std::size_t pixel = (above.first + y) * Input.columns + beside.first + x;
-                        sum += above.weights[y] * beside.weights[x] *
-                               static_cast<double>(in[pixel * Input.channels + c]);
-                    }
-                *out++ = static_cast<float>(sum);
-            }
-}
 
 }} // namespace tactnet

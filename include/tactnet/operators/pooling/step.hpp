@@ -21,12 +21,17 @@ struct step_description<pool_step<Format, Window, Stride>> {
     }
 };
 
-template <sliding_window Window, std::size_t Stride>
-struct pool_step<single_precision, Window, Stride>
-    : step_base<single_precision, shape{Window.output_rows(), Window.output_columns(), Window.input.channels},
-                Stride> {
-    static void run(const float*, const float* in, float* out, float*) noexcept {
+/// In every number format: in 8 bits the largest byte stands for the largest number.
+template <format_of_maps Format, sliding_window Window, std::size_t Stride>
+struct pool_step<Format, Window, Stride>
+    : step_base<Format, shape{Window.output_rows(), Window.output_columns(), Window.input.channels}, Stride> {
+    using number = typename Format::activation;
+    static void run(const typename Format::packed_number*, const number* in, number* out, number*) noexcept {
         kernels::pool_frame<Window, Stride>(in, out);
+    }
+    /// For calibration, whose maps are not aligned.
+    static void reference(const float*, const float* in, float* out) {
+        kernels::largest_pixels<float>(windows_of(Window), Window.input.channels, in, out);
     }
 };
 
@@ -42,12 +47,18 @@ struct step_description<adaptive_max_pool_step<Format, Input, Output, Stride>> {
     }
 };
 
-template <shape Input, extent2d Output, std::size_t Stride>
-struct adaptive_max_pool_step<single_precision, Input, Output, Stride>
-    : step_base<single_precision, shape{Output.rows, Output.columns, Input.channels}, Stride> {
-    static void run(const float*, const float* in, float* out, float*) noexcept {
-        constexpr pooling_windows bins{{Input.rows, Output.rows}, {Input.columns, Output.columns}};
+/// In every number format.
+template <format_of_maps Format, shape Input, extent2d Output, std::size_t Stride>
+struct adaptive_max_pool_step<Format, Input, Output, Stride>
+    : step_base<Format, shape{Output.rows, Output.columns, Input.channels}, Stride> {
+    using number = typename Format::activation;
+    static constexpr pooling_windows bins{{Input.rows, Output.rows}, {Input.columns, Output.columns}};
+    static void run(const typename Format::packed_number*, const number* in, number* out, number*) noexcept {
         kernels::pool_frame<Stride>(bins, in, out);
+    }
+    /// For calibration, whose maps are not aligned.
+    static void reference(const float*, const float* in, float* out) {
+        kernels::largest_pixels<float>(bins, Input.channels, in, out);
     }
 };
 
@@ -84,19 +95,32 @@ struct step_description<resampling_step<Format, Mode, Input, Output, Stride>> {
     }
 };
 
-template <interpolation Mode, shape Input, extent2d Output, std::size_t Stride>
-struct resampling_step<single_precision, Mode, Input, Output, Stride>
+/// The nearest pixels, as they are in every number format.
+template <format_of_maps Format, shape Input, extent2d Output, std::size_t Stride>
+struct resampling_step<Format, interpolation::nearest, Input, Output, Stride>
+    : step_base<Format, shape{Output.rows, Output.columns, Input.channels}, Stride> {
+    using number = typename Format::activation;
+    using down = kernels::sampling_axis<interpolation::nearest, Input.rows, Output.rows>;
+    using along = kernels::sampling_axis<interpolation::nearest, Input.columns, Output.columns>;
+
+    static void run(const typename Format::packed_number*, const number* in, number* out, number*) noexcept {
+        kernels::copy_nearest<down, along, Stride>(in, out);
+    }
+    /// For calibration, whose maps are not aligned.
+    static void reference(const float*, const float* in, float* out) {
+        kernels::copy_nearest<down, along, Input.channels, float, float>(in, out);
+    }
+};
+
+template <shape Input, extent2d Output, std::size_t Stride>
+struct resampling_step<single_precision, interpolation::bilinear, Input, Output, Stride>
     : step_base<single_precision, shape{Output.rows, Output.columns, Input.channels}, Stride> {
-    static constexpr std::size_t workspace_elements =
-        Mode == interpolation::nearest ? 0 : 2 * pad_to_cache_line(Output.columns * Stride);
+    static constexpr std::size_t workspace_elements = 2 * pad_to_cache_line(Output.columns * Stride);
 
     static void run(const float*, const float* in, float* out, float* memory) noexcept {
-        using down = kernels::sampling_axis<Mode, Input.rows, Output.rows>;
-        using along = kernels::sampling_axis<Mode, Input.columns, Output.columns>;
-        if constexpr (Mode == interpolation::nearest)
-            kernels::copy_nearest<down, along, Stride>(in, out);
-        else
-            kernels::resample_frame<down, along, Stride>(in, out, memory);
+        using down = kernels::sampling_axis<interpolation::bilinear, Input.rows, Output.rows>;
+        using along = kernels::sampling_axis<interpolation::bilinear, Input.columns, Output.columns>;
+        kernels::resample_frame<down, along, Stride>(in, out, memory);
     }
 };
 

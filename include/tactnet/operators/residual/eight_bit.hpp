@@ -97,8 +97,4 @@ public:
     }
 };
 
-template <shape Map, std::size_t Stride>
-struct product_step<eight_bit::input_format, Map, Stride> : product_step<eight_bit, Map, Stride>,
-                                                            detail::cannot_read_the_frame<Stride> {};
-
 }} // namespace tactnet

@@ -48,6 +48,16 @@ auto adding_main() {
             typename Main::type, lowered_sum<hidden, Output, Main::type::step::output_stride, Activation>>>{};
 }
 
+/// Rejects a skip that passes on a frame which has a format of its own.
+template <bool PassesFrameOn>
+[[nodiscard]] constexpr std::size_t stride_of_skip(std::size_t stride) {
+    static_assert(
+        !PassesFrameOn,
+        "deploy: in this number format a network cannot begin with a residual block that passes its "
+        "input on: the frame comes in as other numbers than maps hold");
+    return stride;
+}
+
 } // namespace detail
 
 /// Both branches of a residual block, with the activation function after the sum.
@@ -62,12 +72,10 @@ struct lowered_residual {
     using skip =
         detail::lowered_alone<lowered_sequence<typename Place::format, as_sequence<Skip>,
                                                typename layer::skip, Place::input_stride, Place::frames>>;
-    static_assert(
-        !std::is_same_v<typename skip::step, no_step> ||
-            std::is_same_v<typename Place::format, typename Place::format::hidden_format>,
-        "deploy: in this number format a network cannot begin with a residual block that passes its "
-        "input on: the frame comes in as other numbers than maps hold");
-    using step = residual_step<typename main::step, typename skip::step, Place::input_stride>;
+    static constexpr bool passes_frame_on =
+        Place::reads_frame && std::is_same_v<typename skip::step, no_step>;
+    using step = residual_step<typename main::step, typename skip::step,
+                               detail::stride_of_skip<passes_frame_on>(Place::input_stride)>;
 
     static void fold(const parameter_source& list, float* to) {
         const parameter_source here = Place::parameters(list);
@@ -108,6 +116,7 @@ struct lowered_gate {
 template <class... Branch>
 struct lowering<gate<Branch...>> {
     template <class Place>
+        requires(!Place::reads_frame) // whatever the branch begins with, the product reads the input too
     using at = lowered_gate<Place, Branch...>;
 };
 

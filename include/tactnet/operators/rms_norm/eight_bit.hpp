@@ -89,8 +89,4 @@ private:
     }
 };
 
-template <shape Map, std::size_t Stride>
-struct rms_norm_step<eight_bit::input_format, Map, Stride> : rms_norm_step<eight_bit, Map, Stride>,
-                                                             detail::cannot_read_the_frame<Stride> {};
-
 }} // namespace tactnet

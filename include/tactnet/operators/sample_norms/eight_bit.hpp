@@ -91,11 +91,6 @@ public:
     static void reference(const float* from, const float* in, float* out);
 };
 
-template <shape Map, std::size_t Stride, unsigned Kind, std::size_t Groups, bool Rectified>
-struct sample_norm_step<eight_bit::input_format, Map, Stride, Kind, Groups, Rectified>
-    : sample_norm_step<eight_bit, Map, Stride, Kind, Groups, Rectified>,
-      detail::cannot_read_the_frame<Stride> {};
-
 namespace detail {
 
 /// The constants that 8 bits can take. A base, so that no errors follow in the step.
@@ -140,9 +135,5 @@ struct local_response_norm_step<eight_bit, Map, Stride, kernels::response_rule<S
     /// For calibration (reference.hpp).
     static void reference(const float*, const float* in, float* out);
 };
-
-template <shape Map, std::size_t Stride, class Rule>
-struct local_response_norm_step<eight_bit::input_format, Map, Stride, Rule>
-    : local_response_norm_step<eight_bit, Map, Stride, Rule>, detail::cannot_read_the_frame<Stride> {};
 
 }} // namespace tactnet

@@ -184,6 +184,24 @@ private:
                       "deploy: a layer of this kind has no lowering; has_lowering shows it");
         return has_lowering<spec<I>> && !layer_of_sequences<spec<I>>;
     }
+    /// The place of layer I. If its step is not defined for numbers that the frame alone has, the layer goes
+    /// where it reads a map, or more errors follow.
+    template <std::size_t I, std::size_t InputStride>
+    static constexpr auto place_of() {
+        using here = place<I, InputStride>;
+        if constexpr (!here::reads_frame) {
+            return std::type_identity<here>{};
+        } else {
+            constexpr bool can = requires { sizeof(typename lowering<spec<I>>::template at<here>::step); };
+            static_assert(
+                can,
+                "deploy: in 8 bits a network cannot begin with a pool, an upsampling, an activation or a "
+                "group, instance, layer or local response norm: a convolution, a dense layer or a batch "
+                "norm must come first");
+            using after = layer_place<typename Format::hidden_format, Layers, I, InputStride, Frames>;
+            return std::type_identity<std::conditional_t<can, here, after>>{};
+        }
+    }
     template <std::size_t I, std::size_t InputStride, class... Lowered>
     static constexpr auto lower_from() {
         if constexpr (I >= layers) {
@@ -192,7 +210,8 @@ private:
             if constexpr (inference_no_op<spec<I>> || !check_lowering<I, InputStride>()) {
                 return lower_from<I + 1, InputStride, Lowered...>();
             } else {
-                using alone = typename lowering<spec<I>>::template at<place<I, InputStride>>;
+                using alone = typename lowering<spec<I>>::template at<
+                    typename decltype(place_of<I, InputStride>())::type>;
                 using whole = decltype(fuse_from<alone, I + 1>());
                 static_assert(
                     !layer_of_sequences<spec<I>> || !has_state<typename alone::step> ||

@@ -87,8 +87,6 @@ struct causal_conv1d {
     static constexpr std::string_view name = "conv";
     static constexpr bool numbered = true, takes_sequences = true;
     static constexpr std::size_t filters = Filters, taps = Taps, dilation = Dilation;
-    /// The frames before the present one that the output depends on.
-    static constexpr std::size_t frames_before = Taps > 0 ? (Taps - 1) * Dilation : 0;
 
     static constexpr layer_costs costs(const shape& input) {
         const std::size_t weights = Filters * input.channels * Taps;
