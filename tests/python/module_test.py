@@ -13,6 +13,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 import warnings
@@ -64,9 +65,11 @@ def same_bits(program):
     assert (network.load_deployed("scores_8.safetensors").scores(frames) == eight.scores(frames)).all()
     frames.tofile("frames.bin")
     run = subprocess.run([program, "scores.safetensors", "frames.bin", "scores_8.safetensors"], capture_output=True, text=True, check=True)
-    numbers = numpy.array([float.fromhex(line) for line in run.stdout.split()], numpy.float32)
-    expected = numbers[:600].reshape(2, 60, 5)
-    same_touches(numbers[600:], frames, expected[1, -1])
+    numbers = numpy.array([float.fromhex(line) for line in run.stdout.split()])
+    expected, touched = numbers[:600].reshape(2, 60, 5), 600 + 50 * 351 + 350 + 1
+    same_touches(numbers[600:touched], frames, expected[1, -1])
+    same_objects(numbers[touched:], frames, labels, single)
+    assert (eight.features(frames) % 1 == 0).all() and eight.features(frames).shape == single.features(frames).shape
     for deployed, outputs in zip((single, eight), expected):
         assert (deployed.scores(frames, threads=2) == outputs).all()
         for form in (frames[7], *map(frames[7].astype, ("f4", "u4", ">u2", ">f4")), frames.astype(numpy.int64)[7], numpy.asfortranarray(frames[7]),
@@ -95,7 +98,7 @@ def same_bits(program):
     for wrong, *parts in ((dict(labels=labels + 0.7), "float64"), (dict(labels=labels - 1), "from -1 on"), (dict(labels=labels[:, None]), "(60, 1)"),
                           (dict(frames=frames + 1j), "complex128"), (dict(frames=frames.astype(str)), "real numbers"), (dict(validation=[1.7]), "mask", "float64"),
                           (dict(validation=[-1]), "from -1 on"), (dict(classes=list("aabcd")), "each once"), (dict(classes=["a", "b\n", "c", "d", "e"]), "each once"),
-                          (dict(classes=list("abcd") + [""]), "''"), (dict(epoch=3), "'epoch'", "reflect_rows"),
+                          (dict(classes=list("abcd") + [""]), "''"), (dict(epoch=3), "'epoch'", "reflect_rows"), (dict(augmentation="some"), "each_epoch, sixfold, auto, found 'some'"),
                           (dict(rate=-1.0), "finite rate"), (dict(translation=numpy.nan), "finite translation"), (dict(rotation=numpy.inf), "finite rotation")):
         message(ValueError, lambda: network.fit(**{"frames": frames, "labels": labels, **wrong}), *parts)
     mask = numpy.arange(60) % 7 == 0
@@ -139,12 +142,64 @@ def same_touches(numbers, frames, logits):
     assert evidence.most_likely() is None and evidence.add(logits) == 1
     evidence.end_grasp()
     assert evidence.add(numpy.stack([logits, numpy.nan * logits])) == 1 and evidence.grasps == 2
-    assert numpy.float32(evidence.most_likely()[1]) == numbers[-1] and evidence.decide(1e-9) is None and evidence.decide(1)[0] == logits.argmax()
+    assert evidence.most_likely()[1] == numbers[-1] and evidence.decide(1e-9) is None and evidence.decide(1)[0] == logits.argmax()
     held_out = numpy.random.default_rng(4).normal(size=(200, 5)).astype(numpy.float32)
     members = tactnet.PredictionSet(held_out, held_out.argmax(1), 0.9).predict(held_out)
     assert members[range(200), held_out.argmax(1)].mean() >= 0.9 and members.sum(1).min() == 1
     for wrong in (lambda: tactnet.Evidence(0), lambda: evidence.add(logits[:4]), lambda: tactnet.PredictionSet(held_out, held_out.argmax(1), 2)):
         message(ValueError, wrong, "expected", "found")
+    assert any(len(tenths_beside(lambda: evidence.add(numpy.repeat(logits[None], 400000, 0)))) > 2 for _ in range(5))
+
+
+def tenths_beside(call):
+    """The tenths of the time of a call in which other threads go on; one or two if it holds the lock."""
+    times, ticks, interval = [], set(), sys.getswitchinterval()
+    thread = threading.Thread(target=lambda: times.extend((time.perf_counter(), call(), time.perf_counter())))
+    sys.setswitchinterval(1e-5)
+    thread.start()
+    while thread.is_alive():
+        ticks.add(round(time.perf_counter(), 3))
+    sys.setswitchinterval(interval)
+    return {int(10 * (tick - times[0]) / (times[2] - times[0])) for tick in ticks if times[0] < tick < times[2]}
+
+
+def same_objects(numbers, frames, labels, deployed):
+    """Features, their discriminant, class means and a gain as in C++."""
+    rows = deployed.features(frames)
+    assert (rows.ravel() == numbers[:rows.size]).all() and (deployed.features(frames[7].astype("f4")) == rows[7]).all()
+    found = tactnet.fit_discriminant(rows, labels, 4)
+    points, expected = found.project(rows), numbers[rows.size:-2]
+    assert (points[:50].ravel() == expected[:200]).all() and (points[50:] == expected[200:].reshape(10, 7)[:, :4]).all()
+    means = tactnet.ClassMeans(4, 8)
+    assert means.learn(labels[:50], points[:50]) == 50 and means.touches(1) == 10 and means.touches(7) == 0
+    nearest = means.nearest(points[50:])
+    assert (numpy.array(nearest.tolist()) == expected[200:].reshape(10, 7)[:, 4:]).all() and means.nearest(points[50]) == nearest[0]
+    assert means.state == pathlib.Path("means.state").read_bytes()
+    again, copied = tactnet.ClassMeans(4, 8), tactnet.Discriminant(rows.shape[1], 4)
+    assert again.nearest(points[0])["index"] == -1 and again.nearest(points[0])["relative_distance"] == numpy.inf
+    again.state, copied.state = means.state, found.state
+    assert (again.nearest(points) == means.nearest(points)).all() and (copied.project(rows[3]) == points[3]).all()
+    assert again.learn(7, points[:5] * 100) == 5 and again.learn(8, points[0]) == 0 and again.learn(7, points[0] * numpy.nan) == 0
+    assert again.nearest(points[0] * 100)["index"] == 7 and again.spread(7) != means.spread(7)
+    again.forget(7)
+    assert again.touches(7) == 0 and means.nearest(points[0] * numpy.nan)["index"] == -1
+    assert tactnet.fit_largest_distance(numpy.arange(99), 0.05) == 94 and tactnet.fit_largest_distance([1, 2]) == numpy.inf
+    trained = tactnet.force_statistics(frames, 8)
+    monitor = tactnet.GainMonitor(trained, memory=20)
+    assert monitor.gain == 1 and not monitor.drifted
+    for touch in range(30):
+        monitor.add_touch(3000 + 500 * touch)
+    assert (monitor.gain, monitor.uncertainty) == tuple(numbers[-2:]) and tactnet.GainMonitor((0, 0)).gain == 1
+    for call, *parts in ((lambda: means.learn(0, points[:, :3]), "(60, 3)"), (lambda: means.learn([1, 2], points), "60 points, found 2"),
+                         (lambda: setattr(means, "state", found.state), "state: expected as many bytes"), (lambda: found.project(points), "(60, 4)"),
+                         (lambda: tactnet.fit_discriminant(rows, labels, 4, classes=4), "expected more than 4 classes, found 4"),
+                         (lambda: tactnet.fit_discriminant(rows, labels[:-1], 4), "for each of 59 labels"),
+                         (lambda: tactnet.fit_discriminant(rows, labels - 1, 4), "labels from 0 on"),
+                         (lambda: tactnet.fit_discriminant(rows, labels, 4, shrinkage=0), "a shrinkage above 0 and at most 1, found"),
+                         (lambda: tactnet.fit_largest_distance([1], 1), "a share of false alarms above 0 and below 1"),
+                         (lambda: tactnet.force_statistics(frames[0, 0]), "images (n, rows, columns), found (25,)"),
+                         (lambda: tactnet.ClassMeans(4, 0), "at least 1, found 0")):
+        message(ValueError, call, *parts)
 
 
 def recordings(_):
@@ -248,7 +303,7 @@ def compiler(_):
 
 
 def doctests(_):
-    for name in ("tactnet", "tactnet.layers", "tactnet.network", "tactnet.classifier", "tactnet.sensing", "tactnet.build"):
+    for name in ("tactnet", "tactnet.layers", "tactnet.network", "tactnet.classifier", "tactnet.sensing", "tactnet.objects", "tactnet.build"):
         assert not doctest.testmod(importlib.import_module(name)).failed, name
     undocumented = [name for name, each in vars(tactnet.layers).items() if name[0].isupper() and callable(each) and not each.__doc__]
     assert not undocumented, undocumented
@@ -334,6 +389,48 @@ def folds(program):
         own = tactnet.Classifier("tactnet4", outputs=22, epochs=9, validation=0, settings={"augmentation": "none"}, seed=seed)
         found[seed] = sklearn.model_selection.cross_val_score(own, X, y, cv=[split])[0]
     assert found == expected and len(set(found.values())) > 1, (found, expected)
+
+
+def auto(program):
+    """augmentation="auto" chooses as `tactnet train`, and trains with that; fewer frames get more epochs."""
+    random, labels, people = numpy.random.default_rng(5), numpy.repeat(range(3), 48), numpy.tile(numpy.arange(48) // 8, 3)
+    frames = random.integers(0, 12, (144, 14, 25)).astype(numpy.uint8)
+    for frame, label, row in zip(frames, labels, random.integers(2, 5, 144)):  # left and right are each other's reflection, below is empty
+        frame[row:row + 4, (2, 10, 19)[label]:(6, 15, 23)[label]] += 150
+    names = ["left", "middle", "right"]
+    for i in range(144):
+        folder = pathlib.Path(f"data/{names[labels[i]]}")
+        folder.mkdir(parents=True, exist_ok=True)
+        numpy.save(folder / f"person{people[i]}_{i:03}.npy", frames[i])
+    run = subprocess.run([program, "train", "--data", "data", "--method", "tactnet4", "--rows", "14", "--columns", "25", "--group", r"person(\d+)", "--split",
+                          "grouped", "--validation", "0", "--test", "0", "--epochs", "40", "--seed", "3", "--output", "trained.safetensors"], check=True, capture_output=True, text=True)
+    expected = tactnet.Network.named("tactnet4", (14, 25), 22).load("trained.safetensors")
+    network = tactnet.Network.named("tactnet4", (14, 25), 22)
+    network.fit(frames, labels, names, seed=3, groups=people, epochs=40, augmentation="auto")
+    chosen, said = network.chosen, re.findall("augmentation: (.*)", run.stdout + run.stderr)
+    assert said == chosen.reasons and said, (said, chosen.reasons)
+    assert chosen.reflections[1] == [2, 1, 0] and chosen.trials and chosen.recipe.reflect_columns == 0.5, chosen.reasons
+    assert (chosen.function == "root") == any(what == "with the square root of counts" and adopted for what, _, _, adopted in chosen.trials)
+    assert network.temperature == expected.temperature == 1 and (network.deploy().predict(frames) == expected.deploy().predict(frames)).all()
+    assert abs(network.weights["conv1.weight"] - expected.weights["conv1.weight"]).max() < 0.01  # instruction sets round differently
+    network.fit(frames, labels, names, seed=3, epochs=4, augmentation="auto", reflect_rows=0.25, reflect_columns=0)
+    assert not network.chosen.trials and network.chosen.recipe.reflect_rows == 0.25 and network.chosen.reflections == ([], None)
+    assert network.fit(frames, labels, epochs=1).chosen is None
+    message(ValueError, lambda: network.fit(frames, labels, augmentation="auto", groups=people[1:]), "a group for each of 144 frames, found 143")
+    own = tactnet.Classifier("tactnet4", outputs=22, epochs=2, augmentation="auto").fit(frames, labels, groups=people)
+    assert own.network_.chosen.reflections[1] == [2, 1, 0]
+    epochs = {(name, count): build.core().Recipe(name, 14, 25, count).epochs for name in ("default", "features") for count in (0, 88, 400)}
+    assert list(epochs.values()) == [440, 1760, 440, 30, 30, 30], epochs
+    # A file of a network that compresses counts: the program's, and this one's.
+    subprocess.run([program, "train", "--data", "data", "--method", "tactnet4", "--rows", "14", "--columns", "25", "--augmentation", "none", "--test", "0",
+                    "--epochs", "1", "--input-function", "log", "--self-test", "5", "--output", "log.safetensors"], check=True, capture_output=True)
+    network.load("log.safetensors").save("again.safetensors", frames[:5])
+    deployed, eight = network.deploy(), network.deploy(bits=8, images=frames)
+    for data in (network.to_bytes(), eight._own.file("tactnet4", frames[:0])):
+        assert b'"input_function":"log"' in data and b'"input_knee":"8"' in data
+    again = pickle.loads(pickle.dumps(network)).load("again.safetensors").deploy()
+    scores = deployed.scores(frames)
+    assert (again.scores(frames) == scores).all() and abs(eight.scores(frames) - scores).max() < 0.05 * abs(scores).max()
 
 
 def estimator(_):

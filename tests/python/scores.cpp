@@ -1,7 +1,8 @@
 // What the C++ library makes of a weight file and frames, to the bit: scores FILE FRAMES [FILE_IN_8_BITS]
 // prints all outputs as hexadecimal numbers; then clean frames and areas of contacts, after ten frames of
 // air; what a scene measures of the last frame, with heights of 10 µm for each count below 255; and a
-// probability by the last outputs, in two grasps. At last the nanoseconds per call.
+// probability by the last outputs, in two grasps; features, their points of a discriminant, the nearest
+// means of the last ten, and a gain. At last the nanoseconds per call. means.state has what was learnt.
 
 #include <tactnet/decision.hpp>
 #include <tactnet/io.hpp>
@@ -16,6 +17,8 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -83,9 +86,48 @@ void print_touches(const std::vector<std::byte>& frames, std::span<const float, 
     std::printf("%a\n", evidence.most_likely()->probability);
 }
 
+void print_objects(const tactnet::deployed<net>& network, const std::vector<std::byte>& frames) {
+    using network_type = tactnet::deployed<net>;
+    constexpr std::size_t features = network_type::view_type::features, size = 14 * 25;
+    std::vector<std::uint8_t> counts(frames.size());
+    std::memcpy(counts.data(), frames.data(), frames.size());
+    const std::size_t count = counts.size() / size;
+    const auto memory = std::make_unique<network_type::workspace>();
+    std::vector<float> rows(count * features);
+    std::vector<std::size_t> labels(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        std::array<float, net::outputs> logits;
+        (void)network.infer(std::span(counts).subspan(i * size).first<size>(), logits, *memory);
+        network.view().read_features(*memory, std::span(rows).subspan(i * features).first<features>());
+        labels[i] = i % 5;
+    }
+    print(rows);
+    const auto map = tactnet::fit_discriminant<features, 4>(rows, labels, 5);
+    tactnet::class_means<4, 8> means;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto point = map->project(std::span(rows).subspan(i * features).first<features>());
+        print(point);
+        if (i < count - 10) {
+            means.learn(labels[i], point);
+            continue;
+        }
+        const auto found = means.nearest(point);
+        std::printf("%zu\n%a\n%a\n", found->index, found->squared_distance, found->relative_distance);
+    }
+    const auto state = means.save();
+    std::ofstream("means.state", std::ios::binary)
+        .write(reinterpret_cast<const char*>(state.data()), static_cast<std::streamsize>(state.size()));
+    tactnet::gain_monitor monitor(tactnet::force_statistics::of(counts, size, 8), 20);
+    for (int touch = 0; touch < 30; ++touch)
+        monitor.add_touch(3000 + 500 * touch);
+    std::printf("%a\n%a\n", monitor.gain(), monitor.uncertainty());
+}
+
 int main(int, char** arguments) {
     const std::vector<std::byte> frames = tactnet::read_file(arguments[2]);
-    print(tactnet::load_deployed<net>(arguments[1]), frames);
+    const auto network = tactnet::load_deployed<net>(arguments[1]);
+    print(network, frames);
     const auto logits = print(tactnet::load_deployed<net, tactnet::eight_bit>(arguments[3]), frames);
     print_touches(frames, logits);
+    print_objects(network, frames);
 }

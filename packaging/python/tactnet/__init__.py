@@ -10,14 +10,17 @@ from typing import TYPE_CHECKING
 
 from .build import CompilationFailed, CompilerNotFound
 from .network import Deployed, Network
+from .objects import ClassMeans, Discriminant, fit_discriminant
 from .sensing import Decoder, Scene, Sensor, decode
 
 if TYPE_CHECKING:
-    from ._core import Evidence, FileError, PredictionSet, Recording, Stream, TrainingDiverged
+    from ._core import (AugmentationChoice, Evidence, FileError, GainMonitor, PredictionSet, Recording, Stream, TrainingDiverged,
+                        fit_largest_distance, force_statistics)
     from .classifier import Classifier
 
-__all__ = ["Classifier", "CompilationFailed", "CompilerNotFound", "Decoder", "Deployed", "Evidence", "FileError", "Network", "PredictionSet", "Recording",
-           "Scene", "Sensor", "Stream", "TrainingDiverged", "decode"]
+__all__ = ["AugmentationChoice", "ClassMeans", "Classifier", "CompilationFailed", "CompilerNotFound", "Decoder", "Deployed", "Discriminant", "Evidence",
+           "FileError", "GainMonitor", "Network", "PredictionSet", "Recording", "Scene", "Sensor", "Stream", "TrainingDiverged", "decode",
+           "fit_discriminant", "fit_largest_distance", "force_statistics"]
 
 
 def __getattr__(name):

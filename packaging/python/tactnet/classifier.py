@@ -10,7 +10,7 @@ from sklearn.utils.multiclass import check_classification_targets, unique_labels
 from sklearn.utils.validation import check_is_fitted
 
 from . import build, layers
-from .network import Network
+from .network import Network, group_indices
 
 
 class Classifier(ClassifierMixin, BaseEstimator):
@@ -23,7 +23,8 @@ class Classifier(ClassifierMixin, BaseEstimator):
         frame of one row.
     outputs : of the network, if more than classes, so that another number of classes needs no other network; by default one per class.
     recipe : "default", "thorough" or "features" (docs/train/training.md).
-    epochs, rate : replace those of the recipe; `settings`, a dict, replaces others.
+    epochs, rate, augmentation : replace those of the recipe; `settings`, a dict, replaces others. augmentation="auto" finds out which
+        reflections and movements suit the task: `network_.chosen` says which, and why.
     validation : the share of the frames that choose the best epoch and the temperature of probabilities: whole groups if `groups`
         are given; 0 for none.
     blocked : without groups, whether frames after each other stay together.
@@ -37,9 +38,9 @@ class Classifier(ClassifierMixin, BaseEstimator):
     def __init__(self, network: Union[str, list] = "tactnet6", rows: Optional[int] = None, columns: Optional[int] = None,
                  outputs: Optional[int] = None, recipe: str = "default", epochs: Optional[int] = None, rate: Optional[float] = None,
                  settings: Optional[dict] = None, validation: float = 0.16, blocked: bool = False, seed: int = 0, threads: int = 1,
-                 verbose: bool = False):
+                 verbose: bool = False, augmentation: Optional[str] = None):
         self.network, self.rows, self.columns, self.outputs = network, rows, columns, outputs
-        self.recipe, self.epochs, self.rate, self.settings = recipe, epochs, rate, settings
+        self.recipe, self.epochs, self.rate, self.settings, self.augmentation = recipe, epochs, rate, settings, augmentation
         self.validation, self.blocked, self.seed, self.threads, self.verbose = validation, blocked, seed, threads, verbose
 
     def fit(self, X, y, groups=None, validation_indices=None) -> "Classifier":
@@ -56,11 +57,13 @@ class Classifier(ClassifierMixin, BaseEstimator):
             self.network_ = Network.named(self.network, shape, outputs)
         else:
             self.network_ = Network(shape, [*self.network, layers.Dense(outputs)])
-        settings: dict = {**{name: value for name, value in (("epochs", self.epochs), ("rate", self.rate)) if value is not None}, **(self.settings or {})}
+        own = ("epochs", self.epochs), ("rate", self.rate), ("augmentation", self.augmentation)
+        settings: dict = {**{name: value for name, value in own if value is not None}, **(self.settings or {})}
         held_out = self._held_out(labels, groups) if validation_indices is None else validation_indices
         self.history_: list = []
         self.network_.compile("trainable", "deployed")
-        self.network_.fit(X, labels, [str(c) for c in self.classes_], held_out, self.recipe, self.seed, self.threads, report=self._report, **settings)
+        self.network_.fit(X, labels, [str(c) for c in self.classes_], held_out, self.recipe, self.seed, self.threads, report=self._report,
+                          groups=groups, **settings)
         self.deployed_ = self.network_.deploy()
         return self
 
@@ -108,9 +111,7 @@ class Classifier(ClassifierMixin, BaseEstimator):
             return []
         if groups is None:
             return build.core().split(labels, len(self.classes_), self.blocked, self.seed, self.validation, 0.0)[1]
-        names, of_each = numpy.unique(numpy.asarray(groups), return_inverse=True)
-        if len(of_each) != len(labels):
-            raise ValueError(f"expected a group for each of {len(labels)} frames, found {len(of_each)}")
+        names, of_each = group_indices(groups, len(labels))
         order = numpy.random.default_rng(self.seed).permutation(len(names))
         chosen = order[:max(1, round(self.validation * len(names)))] if len(names) > 1 else []
         return numpy.flatnonzero(numpy.isin(of_each, chosen))

@@ -64,6 +64,7 @@ class Network:
         self._code: Any = None
         self._parts: Set[str] = set()
         self._model: Optional[_core.Model] = None
+        self.chosen: Optional[_core.AugmentationChoice] = None  # by the last fit with augmentation="auto"
         self._imported: Any = None  # of a quantised model of ONNX
 
     def __repr__(self) -> str:
@@ -120,13 +121,17 @@ class Network:
         return self._trained().arrays
 
     def fit(self, frames, labels, classes: Optional[Sequence[str]] = None, validation=(), recipe: str = "default", seed: int = 0,
-            threads: int = 1, start: Optional["Network"] = None, report=None, **settings) -> "Network":
+            threads: int = 1, start: Optional["Network"] = None, report=None, groups=None, **settings) -> "Network":
         """Trains on frames (n, rows, columns) or (n, channels, rows, columns).
 
         uint8 are counts: they are varied and normalised as the recipe says. Floats enter the network as they are.
         `labels` are indices of classes; `validation` are indices of frames that are not learnt from, but choose the epoch and
         the temperature. `recipe` is "default", "thorough" or "features"; `settings` replace its own, such as epochs=20, rate=0.01,
-        batch=64, translation=2, augmentation="none". The same seed gives the same bits on any number of threads.
+        batch=64, translation=2, augmentation="none". Without epochs=, fewer than 352 training frames get more. The same seed gives
+        the same bits on any number of threads.
+
+        augmentation="auto" finds out which reflections and movements suit the task, as the program does, from frames of uint8; then
+        `chosen` has what was chosen, and why. `groups` (n,), the person, object or recording of each frame, make the choice surer.
         `report(epoch, epochs, loss, accuracy)` is called after each epoch.
         """
         frames, labels, chosen = numpy.asarray(frames), numpy.asarray(labels), numpy.asarray(validation)
@@ -141,16 +146,26 @@ class Network:
             raise ValueError(f"validation: expected indices of frames, or a mask, found {_what(chosen)}")
         kept = numpy.zeros(len(frames), bool)
         kept[chosen if chosen.size else []] = True
-        code, core = self.compile("trainable"), build.core()
-        own = core.Recipe(recipe, *code.input_shape[:2])
+        code, core, training = self.compile("trainable"), build.core(), numpy.flatnonzero(~kept)
+        own = core.Recipe(recipe, *code.input_shape[:2], len(training))
         for name, value in settings.items():
             if not hasattr(own, name):
                 settable = ", ".join(each for each in dir(own) if not each.startswith("_"))
                 raise ValueError(f"recipe: expected the name of a setting ({settable}), found {name!r}")
             if isinstance(value, (int, float, numpy.number)) and not 0 <= value < math.inf:
                 raise ValueError(f"recipe: expected a finite {name} of 0 or more, found {value!r}")
-            setattr(own, name, getattr(getattr(core, name), value) if name in ("input", "augmentation") else value)
-        self._model = core.train(code, frames, labels, names, numpy.flatnonzero(~kept), numpy.flatnonzero(kept), own, seed, threads,
+            words = getattr(core, name).__members__ if name in ("input", "augmentation") else None
+            if words is not None and value not in words and (name, value) != ("augmentation", "auto"):
+                raise ValueError(f"recipe: expected {name} of {', '.join(words)}{', auto' * (name == 'augmentation')}, found {value!r}")
+            if (name, value) != ("augmentation", "auto"):
+                setattr(own, name, value if words is None else words[value])
+        self.chosen = None
+        if settings.get("augmentation") == "auto":
+            of_each = () if groups is None else group_indices(groups, len(frames))[1]
+            fixed = ("reflect_rows" in settings, "reflect_columns" in settings, bool({"translation", "rotation", "scale"} & settings.keys()))
+            choice = core.choose(code, frames, labels, names, training, of_each, own, seed, threads, *fixed)
+            self.chosen, own = choice, choice.recipe
+        self._model = core.train(code, frames, labels, names, training, numpy.flatnonzero(kept), own, seed, threads,
                                  start and start._trained(), report or (lambda *_: None))
         return self
 
@@ -234,7 +249,7 @@ class Deployed:
 
     def __init__(self, own: _core.Deployed, name: str):
         self._own, self.name = own, name
-        self.scores, self.predict_proba, self.classify = own.scores, own.predict_proba, own.classify
+        self.scores, self.predict_proba, self.classify, self.features = own.scores, own.predict_proba, own.classify, own.features
         self.classes, self.temperature, self.bits = own.classes, own.temperature, own.bits
         self.weight_bytes, self.workspace_bytes = own.weight_bytes, own.workspace_bytes
 
@@ -266,6 +281,14 @@ def _shape(size: Sequence[int]) -> str:
     if math.prod(extents) > 2 ** 30:
         raise ValueError(f"expected a size of at most 2^30 numbers, found {size!r}")
     return f"shape{{{', '.join(map(str, extents[:2] if extents[2:] in ([], [1]) else extents))}}}"
+
+
+def group_indices(groups, count: int):
+    """The names of groups, and the index of each frame's."""
+    names, of_each = numpy.unique(numpy.asarray(groups), return_inverse=True)
+    if len(of_each) != count:
+        raise ValueError(f"expected a group for each of {count} frames, found {len(of_each)}")
+    return names, of_each
 
 
 def _what(array) -> str:

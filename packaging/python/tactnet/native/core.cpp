@@ -4,6 +4,7 @@
 #include "module/decisions.hpp"
 #include "module/deployed.hpp"
 #include "module/model.hpp"
+#include "module/objects.hpp"
 #include "module/recordings.hpp"
 #include "module/sensing.hpp"
 #include "module/stream.hpp"
@@ -26,4 +27,5 @@ PYBIND11_MODULE(_core, m) {
     bind_recordings(m);
     bind_sensing(m);
     bind_decisions(m);
+    bind_objects(m);
 }

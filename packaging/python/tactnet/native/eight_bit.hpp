@@ -18,15 +18,16 @@ network_code code_of_eight_bit() {
         const auto found = [&]<class Element>(const Element* elements) {
             const tactnet::eight_bit_calibration<Network> calibration(
                 *network, mean_of<Network>(numbers), numbers.scale,
-                std::span(elements, images.count * Network::input_shape.size()));
+                std::span(elements, images.count * Network::input_shape.size()), numbers.function);
             return std::vector<float>(calibration.folded().begin(), calibration.folded().end());
         };
         return images.are_counts ? found(static_cast<const std::uint8_t*>(images.elements))
                                  : found(static_cast<const float*>(images.elements));
     };
-    code.deploy_folded = [](std::span<const float> folded) -> std::unique_ptr<any_deployed> {
+    code.deploy_folded = [](std::span<const float> folded,
+                            const tactnet::input_function& function) -> std::unique_ptr<any_deployed> {
         return std::make_unique<deployed_network<Network, tactnet::eight_bit>>(
-            deployed_type(folded.first<deployed_type::view_type::folded_elements>()));
+            deployed_type(folded.first<deployed_type::view_type::folded_elements>()), function);
     };
     return code;
 }

@@ -3,11 +3,12 @@
 // What the Python module knows of a network: all that depends on its type, as functions. The module is
 // compiled once; for each network, the machine's compiler makes a shared library for what is asked of it:
 // described.hpp, deployed.hpp, trainable.hpp, eight_bit.hpp and stream.hpp. So it is with an array of
-// tactels: sensor.hpp and scene.hpp.
+// tactels, sensor.hpp and scene.hpp, and with objects, object.hpp.
 
 #include <tactnet/deployment/export/header_description.hpp>
 #include <tactnet/deployment/frame_ref.hpp>
 #include <tactnet/detail/instruction_set.hpp>
+#include <tactnet/lowering/input_function.hpp>
 #include <tactnet/networks/reflection_rule.hpp>
 #include <tactnet/operators/layer.hpp>
 
@@ -41,6 +42,7 @@ struct trained_numbers {
     double epsilon = 1e-5;
     std::vector<float> mean; ///< of the input, as many as elements
     float scale = 1;
+    tactnet::input_function function{};
 };
 
 /// Frames one after the other, of bytes or of floats.
@@ -62,7 +64,9 @@ public:
                                const tactnet::reflection_rule& reflections,
                                std::span<const std::uint8_t> frame) const = 0;
     virtual std::span<const float> folded() const = 0;
-    std::size_t weight_bytes = 0, workspace_bytes = 0;
+    /// Writes a row of `features` for each frame: what the last layer reads.
+    virtual tactnet::frame_status read_features(const frames_view& frames, std::span<float> to) const = 0;
+    std::size_t weight_bytes = 0, workspace_bytes = 0, features = 0; ///< 0 features if it has none
 };
 
 /// A deployed network of sequences, with the state of one recording.
@@ -84,6 +88,8 @@ public:
 struct sensor_settings;
 class any_sensor;
 class any_scene;
+class any_discriminant;
+class any_means;
 
 /// What has been compiled for a network's type, or for an array; each shared library has some of it.
 struct network_code {
@@ -94,7 +100,8 @@ struct network_code {
     /// In 8 bits: the layout of the folded numbers, how they are found from images, and a network of them.
     tactnet::folded_layout (*layout)() = nullptr;
     std::vector<float> (*calibrate)(const trained_numbers&, const frames_view& images) = nullptr;
-    std::unique_ptr<any_deployed> (*deploy_folded)(std::span<const float> folded) = nullptr;
+    std::unique_ptr<any_deployed> (*deploy_folded)(std::span<const float> folded,
+                                                   const tactnet::input_function&) = nullptr;
     /// Of a network of sequences; with training sequences, in 8 bits.
     std::unique_ptr<any_stream> (*stream)(const trained_numbers&) = nullptr;
     std::unique_ptr<any_stream> (*stream_in_8_bits)(const trained_numbers&,
@@ -102,6 +109,8 @@ struct network_code {
     std::unique_ptr<any_sensor> (*sensor)(const sensor_settings&) = nullptr;
     /// With metres from tactel to tactel, and the sensor's number.
     std::unique_ptr<any_scene> (*scene)(double pitch, std::uint64_t unit) = nullptr;
+    std::unique_ptr<any_discriminant> (*discriminant)() = nullptr;
+    std::unique_ptr<any_means> (*means)() = nullptr;
 };
 
 } // namespace tactnet_python

@@ -7,6 +7,7 @@
 #include <tactnet/decision/contact_detector.hpp>
 #include <tactnet/decision/fault_list.hpp>
 #include <tactnet/decision/gain_monitor.hpp>
+#include <tactnet/runtime/saved_state.hpp>
 #include <tactnet/simulation/contact/contact.hpp>
 
 #include <cstdint>
@@ -34,6 +35,7 @@ public:
     virtual void update(const raw_frames& raw, float* clean, tactnet::contact_state* contacts) = 0;
     virtual std::span<const tactnet::tactel_fault> faults() const = 0;
     virtual bool worn_out() const = 0;
+    virtual std::uint8_t pressed() const = 0;
     virtual std::vector<std::byte> state() const = 0;
     virtual tactnet::restore_status restore(std::span<const std::byte> state) = 0;
 };

@@ -42,6 +42,7 @@ public:
     }
     std::span<const tactnet::tactel_fault> faults() const override { return health_.faults(); }
     bool worn_out() const override { return health_.worn_out(); }
+    std::uint8_t pressed() const override { return contact_.pressed(); }
     std::vector<std::byte> state() const override {
         const auto saved = health_.save();
         return {saved.begin(), saved.end()};

@@ -2,6 +2,7 @@
 
 #include "../interface.hpp"
 
+#include <tactnet/runtime/saved_state.hpp>
 #include <tactnet/text/message.hpp>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -85,6 +87,11 @@ std::span<const Element> elements_of(const py::array& x) {
     return {static_cast<const Element*>(x.data()), static_cast<std::size_t>(x.size())};
 }
 
+template <class Element>
+std::span<Element> to_fill(py::array_t<Element>& x) {
+    return {x.mutable_data(), static_cast<std::size_t>(x.size())};
+}
+
 /// A new array for a frame, or for each of `count`.
 template <class Element>
 py::array_t<Element> array_for(bool single, std::size_t count, std::vector<std::size_t> extents) {
@@ -100,6 +107,11 @@ inline std::vector<std::byte> to_vector(const py::bytes& data) {
 }
 inline py::bytes to_python(std::span<const std::byte> data) {
     return {reinterpret_cast<const char*>(data.data()), data.size()};
+}
+/// Throws for bytes that are no state.
+inline void require_restored(tactnet::restore_status status) {
+    if (status != tactnet::restore_status::ok)
+        throw std::invalid_argument("state: " + std::string(tactnet::describe(status)));
 }
 
 } // namespace tactnet_python

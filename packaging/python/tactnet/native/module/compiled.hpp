@@ -43,6 +43,7 @@ public:
         merge(&network_code::layout), merge(&network_code::calibrate), merge(&network_code::deploy_folded);
         merge(&network_code::stream), merge(&network_code::stream_in_8_bits);
         merge(&network_code::sensor), merge(&network_code::scene);
+        merge(&network_code::discriminant), merge(&network_code::means);
         if (code_.facts != nullptr)
             facts_ = code_.facts();
     }

@@ -25,12 +25,12 @@ public:
     double temperature = 1;
     int bits = 32;
     tactnet::reflection_rule reflections = tactnet::reflection_rule::all(); ///< kept for files
+    tactnet::input_function function{};                                     ///< as well
 
     py::array_t<float> scores(const py::array& x, std::size_t threads) const {
         const frames_argument frames = frames_of(x, code->facts().input);
         auto result = array_for<float>(frames.single, frames.view.count, {code->outputs()});
-        const std::span to(result.mutable_data(), static_cast<std::size_t>(result.size()));
-        infer(frames.view, to, threads);
+        infer(frames.view, to_fill(result), threads);
         return result;
     }
     /// Returns the probability of each class, as classify_logits and classify_probabilities compute it for
@@ -45,6 +45,21 @@ public:
         require_finite(frames.view, outputs, threads);
         for (std::size_t i = 0; i < frames.view.count; ++i, to += named)
             probabilities_of(std::span(outputs).subspan(i * code->outputs(), named), to);
+        return result;
+    }
+    /// What the last layer reads.
+    py::array_t<float> features(const py::array& x) const {
+        const frames_argument frames = frames_of(x, code->facts().input);
+        if (own->features == 0)
+            throw_invalid_argument({"features: expected a network of several layers, found one whose last "
+                                    "layer reads the frame"});
+        auto result = array_for<float>(frames.single, frames.view.count, {own->features});
+        const std::span to = to_fill(result);
+        const py::gil_scoped_release released;
+        if (own->read_features(frames.view, to) != tactnet::frame_status::ok) {
+            std::vector<float> outputs(frames.view.count * code->outputs());
+            require_finite(frames.view, outputs, 1);
+        }
         return result;
     }
     /// The most likely class of a frame and its probability, or None.
@@ -67,7 +82,7 @@ public:
             throw_invalid_argument({"header: expected a frame of ", code->pixels(), " counts, found ",
                                     static_cast<std::size_t>(frame.size())});
         return own->header({.network = network, .namespace_name = name, .classes = classes}, temperature,
-                           reflections, std::span(frame.data(), code->pixels()));
+                           reflections, elements_of<std::uint8_t>(frame));
     }
     /// The bytes of a file of a network in 8 bits.
     py::bytes file(const std::string& network, const bytes_of_counts& selftest) const {
@@ -75,8 +90,8 @@ public:
         writer.metadata["network"] = network;
         tactnet::add_deployed(
             writer, code->call(&network_code::layout)(), own->folded(), classes,
-            std::span(selftest.data(), static_cast<std::size_t>(selftest.size())),
-            [&](std::span<const std::uint8_t> images) { return logits_of(images); }, temperature, {},
+            elements_of<std::uint8_t>(selftest),
+            [&](std::span<const std::uint8_t> images) { return logits_of(images); }, temperature, function,
             reflections);
         return to_python(writer.to_bytes());
     }
@@ -128,6 +143,10 @@ inline void bind_deployed(py::module_& m) {
             "softmax.")
         .def("predict_proba", &deployed::probabilities, py::arg("frames"), py::arg("threads") = 1,
              "The probability of each class as float64, (classes,) of a frame or (n, classes).")
+        .def("features", &deployed::features, py::arg("frames"),
+             "What the last layer reads, as float32, (features,) of a frame or (n, features): in 8 bits "
+             "whole\n"
+             "numbers. For `Discriminant`.")
         .def("classify", &deployed::classify, py::arg("frame"),
              "(class, probability), or None for a broken frame.")
         .def("header", &deployed::header)

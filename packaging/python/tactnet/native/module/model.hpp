@@ -18,13 +18,6 @@
 
 namespace tactnet_python {
 
-/// Networks here have no input function: such a file would be read as another network.
-inline void refuse_function(const tactnet::safetensors& file, const tactnet::input_function& function) {
-    if (!function.identity())
-        throw tactnet::file_error(file.file(), "metadata 'input_function'", "a network without one",
-                                  "one with");
-}
-
 /// The numbers of a trained network, with the names of its classes.
 class model {
 public:
@@ -40,15 +33,15 @@ public:
         const tactnet::safetensors file = tactnet::safetensors::parse(to_vector(data), name);
         const tactnet::shape input = code->facts().input;
         tactnet::stored_model stored = tactnet::read_model(file, input, code->arrays());
-        refuse_function(file, stored.function);
         stored.mean.resize(input.size());
         for (std::size_t i = 0; i < stored.arrays.size(); ++i)
             stored.arrays[i].resize(code->facts().arrays[i].size);
-        model m{std::move(code),
-                {std::move(stored.arrays), stored.epsilon, std::move(stored.mean), stored.scale},
-                std::move(stored.classes),
-                stored.temperature,
-                std::move(stored.reflections)};
+        model m{
+            std::move(code),
+            {std::move(stored.arrays), stored.epsilon, std::move(stored.mean), stored.scale, stored.function},
+            std::move(stored.classes),
+            stored.temperature,
+            std::move(stored.reflections)};
         tactnet::check_selftest(file, input, m.classes.size(),
                                 [&](std::span<const std::uint8_t> images) { return m.logits_of(images); });
         return m;
@@ -62,28 +55,35 @@ public:
                                    .scale = numbers.scale,
                                    .classes = classes,
                                    .temperature = temperature,
+                                   .function = numbers.function,
                                    .reflections = reflections};
         tactnet::safetensors_writer writer;
         writer.metadata["network"] = network;
-        tactnet::add_model(writer, parts,
-                           std::span(selftest.data(), static_cast<std::size_t>(selftest.size())),
+        tactnet::add_model(writer, parts, elements_of<std::uint8_t>(selftest),
                            [&](std::span<const std::uint8_t> images) { return logits_of(images); });
         return to_python(writer.to_bytes());
     }
     deployed deploy() const {
         const py::gil_scoped_release released;
-        return {code, code->call(&network_code::deploy)(numbers), classes, temperature, 32, reflections};
+        return {code,
+                code->call(&network_code::deploy)(numbers),
+                classes,
+                temperature,
+                32,
+                reflections,
+                numbers.function};
     }
     deployed deploy_in_8_bits(const py::array& images) const {
         const frames_argument frames = frames_of(images, code->facts().input);
         const py::gil_scoped_release released;
-        return {
-            code,
-            code->call(&network_code::deploy_folded)(code->call(&network_code::calibrate)(numbers, frames.view)),
-            classes,
-            temperature,
-            8,
-            reflections};
+        return {code,
+                code->call(&network_code::deploy_folded)(
+                    code->call(&network_code::calibrate)(numbers, frames.view), numbers.function),
+                classes,
+                temperature,
+                8,
+                reflections,
+                numbers.function};
     }
     py::dict arrays() const {
         py::dict named;
@@ -96,9 +96,7 @@ public:
 private:
     std::vector<float> logits_of(std::span<const std::uint8_t> images) const {
         if (!code->facts().ends_in_softmax && code->deploys())
-            return deployed{code,       code->call(&network_code::deploy)(numbers), classes, temperature, 32,
-                            reflections}
-                .logits_of(images);
+            return deploy().logits_of(images);
         const auto network = code->call(&network_code::trainable)();
         for (std::size_t i = 0; i < numbers.arrays.size(); ++i)
             std::copy(numbers.arrays[i].begin(), numbers.arrays[i].end(),
@@ -111,7 +109,8 @@ private:
             all[i] = i;
         tactnet::thread_pool alone;
         return tactnet::evaluate(*network, numbers.mean, numbers.scale,
-                                 tactnet::labelled_images{images, labels, classes.size()}, all, alone)
+                                 tactnet::labelled_images{images, labels, classes.size()}, all, alone, {},
+                                 numbers.function)
             .logits;
     }
 };
@@ -140,24 +139,19 @@ inline deployed deploy_steps(shared_code code, const std::vector<py::dict>& step
     if (const auto problem = tactnet::detail::find_problem(layout, folded))
         throw_invalid_argument(
             {"deploy: ", problem->array, ": expected ", problem->expected, ", found ", problem->found});
-    return {code,
-            code->call(&network_code::deploy_folded)(folded),
-            std::move(classes),
-            1,
-            8,
-            tactnet::reflection_rule::all()};
+    return {code, code->call(&network_code::deploy_folded)(folded, {}), std::move(classes), 1, 8};
 }
 
 inline deployed load_8_bits(shared_code code, const py::bytes& data, const std::string& name) {
     const tactnet::safetensors file = tactnet::safetensors::parse(to_vector(data), name);
     tactnet::stored_deployed stored = tactnet::read_deployed(file, code->call(&network_code::layout)());
-    refuse_function(file, stored.function);
     deployed found{code,
-                   code->call(&network_code::deploy_folded)(stored.folded),
+                   code->call(&network_code::deploy_folded)(stored.folded, stored.function),
                    std::move(stored.classes),
                    stored.temperature,
                    8,
-                   std::move(stored.reflections)};
+                   std::move(stored.reflections),
+                   stored.function};
     tactnet::check_deployed(file, code->facts().input, found.classes.size(),
                             [&](std::span<const std::uint8_t> images) { return found.logits_of(images); });
     return found;
@@ -175,9 +169,8 @@ inline void bind_model(py::module_& m) {
              })
         .def("stream_in_8_bits",
              [](const model& own, const floats& sequences) {
-                 return stream{own.code->call(&network_code::stream_in_8_bits)(
-                                   own.numbers,
-                                   std::span(sequences.data(), static_cast<std::size_t>(sequences.size()))),
+                 return stream{own.code->call(&network_code::stream_in_8_bits)(own.numbers,
+                                                                               elements_of<float>(sequences)),
                                own.classes};
              })
         .def_property_readonly("arrays", &model::arrays)

@@ -49,11 +49,9 @@ public:
         return found;
     }
     bool worn_out() const { return own_->worn_out(); }
+    std::uint8_t pressed() const { return own_->pressed(); }
     py::bytes state() const { return to_python(own_->state()); }
-    void restore(const py::bytes& state) {
-        if (const auto status = own_->restore(to_vector(state)); status != tactnet::restore_status::ok)
-            throw std::invalid_argument("state: " + std::string(tactnet::describe(status)));
-    }
+    void restore(const py::bytes& state) { require_restored(own_->restore(to_vector(state))); }
 
 private:
     static raw_frames frames_in(const py::array& x) {
@@ -128,6 +126,8 @@ inline void bind_sensing(py::module_& m) {
                                "(row, column, 'stuck', 'dead' or 'broken', the frame it was found in).")
         .def_property_readonly("worn_out", &sensor_array::worn_out,
                                "Whether more tactels are faulty than can be replaced.")
+        .def_property_readonly("pressed", &sensor_array::pressed,
+                               "The least count of a touched tactel, 0 to 255, which learning air may raise.")
         .def_property(
             "state", &sensor_array::state, &sensor_array::restore,
             "What was learnt of the sensor, as bytes with a checksum; assign them after a restart.");

@@ -26,7 +26,7 @@ public:
         const std::size_t count = single ? 1 : static_cast<std::size_t>(frames.shape(0));
         auto result = array_for<float>(single, count, {own->outputs});
         const std::span from = elements_of<float>(frames);
-        const std::span to(result.mutable_data(), static_cast<std::size_t>(result.size()));
+        const std::span to = to_fill(result);
         const py::gil_scoped_release released;
         if (const std::size_t taken = own->run(from, to); taken != count)
             throw_invalid_argument(
@@ -36,7 +36,7 @@ public:
     }
     std::string header(const std::string& network, const std::string& name, const floats& recording) const {
         return own->header({.network = network, .namespace_name = name, .classes = classes},
-                           std::span(recording.data(), static_cast<std::size_t>(recording.size())));
+                           elements_of<float>(recording));
     }
 };
 
