@@ -73,10 +73,11 @@ public:
         check_capacity(what, o.data, classes);
         rule = split_rule_for(o.split, data);
         settings = describe_training(what, o.training, rule, o.seed, data);
+        searched = describe_trials(what, o.training, data);
         if (o.resume) { // before anything is found that another training may have kept
             check_no_device(checkpoint);
-            tactnet::check_checkpoint(checkpoint, settings);
-            const auto kept = tactnet::safetensors_source::open(checkpoint, tactnet::checksum_rule::ignore);
+            tactnet::check_checkpoint(checkpoint, described());
+            const auto kept = tactnet::safetensors_source::open(checkpoint); // undamaged
             trials = trials_in(kept);
             begun = kept.tensors().size() > 1; // not of the progress of no epoch alone
         }
@@ -93,11 +94,12 @@ public:
         catch_interrupts();
         const auto choice = choose_recipe(what, o.training, data, split.training, o.seed, threads, &trials);
         if (interrupted()) {
-            const bool kept = !begun && !trials.empty() && keep().empty();
+            const std::string problem = begun || trials.empty() ? "" : keep();
             tell("stopped before the training{}\n",
-                 kept ? fmt::format("; the same command with --resume goes on from {}",
-                                    printable(checkpoint.string()))
-                      : "");
+                 !problem.empty()           ? fmt::format(", without a checkpoint: {}", printable(problem))
+                 : begun || !trials.empty() ? fmt::format("; the same command with --resume goes on from {}",
+                                                          printable(checkpoint.string()))
+                                            : "");
             return interrupted_by_user;
         }
         recipe.epochs = choice.chosen.epochs;
@@ -152,6 +154,7 @@ private:
     /// The settings with what images chose, and why, as a checkpoint has them.
     tactnet::file_metadata described() const {
         tactnet::file_metadata all = with_trials(settings, trials);
+        all.insert(searched.begin(), searched.end());
         all.insert(chosen.begin(), chosen.end());
         return all;
     }
@@ -314,6 +317,7 @@ private:
     image_data data;
     tactnet::split_rule rule{};
     tactnet::file_metadata settings{}, chosen{}; ///< the latter: what images chose otherwise
+    tactnet::file_metadata searched{};           ///< what it was that images chose from
     tactnet::trial_scores trials;                ///< of the search for the augmentation
     bool begun = false;                          ///< what is resumed has done more than trials
     std::unique_ptr<training_run> training;

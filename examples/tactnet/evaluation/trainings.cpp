@@ -55,6 +55,13 @@ training_result result_of(const trained_method& trained, const task& t, const tr
     return result;
 }
 
+/// What the scores of short trainings are of.
+tactnet::file_metadata trial_settings(const task& t) {
+    tactnet::file_metadata all = describe_trials(*t.of->what, t.of->training, *t.of->data);
+    all.insert(t.settings.begin(), t.settings.end());
+    return all;
+}
+
 /// Trains on one thread, until it is finished or interrupted. Then the scores of its short trainings are
 /// kept.
 std::unique_ptr<training_run> train(const task& t, const std::filesystem::path& kept,
@@ -65,7 +72,7 @@ std::unique_ptr<training_run> train(const task& t, const std::filesystem::path& 
     tactnet::trial_scores trials;
     if (std::filesystem::exists(kept)) {
         tactnet::load_checkpoint(
-            kept, {}, [](auto) {}, t.settings);
+            kept, {}, [](auto) {}, trial_settings(t));
         trials = trials_in(tactnet::safetensors_source::open(kept));
     }
     const tactnet::recipe recipe =
@@ -76,7 +83,7 @@ std::unique_ptr<training_run> train(const task& t, const std::filesystem::path& 
         training->advance();
     if (!training->finished() && !trials.empty()) {
         make_folder_of(kept);
-        tactnet::save_checkpoint(kept, {}, {}, with_trials(t.settings, trials));
+        tactnet::save_checkpoint(kept, {}, {}, with_trials(trial_settings(t), trials));
     }
     return training;
 }
@@ -226,7 +233,7 @@ std::filesystem::path predictions_of(const candidate& c, const tactnet::file_met
 }
 
 std::filesystem::path trials_of(const task& t, const result_list& results) {
-    return results.path().parent_path() / "trials" / fingerprint_of(t.settings);
+    return results.path().parent_path() / "trials" / fingerprint_of(trial_settings(t));
 }
 
 void add_evaluation_options(CLI::App& app, evaluation_options& o) {

@@ -236,3 +236,12 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
         all["partners"] += partners + ' ';
     return all;
 }
+
+tactnet::file_metadata describe_trials(const method& what, const training_settings& s,
+                                       const image_data& data) {
+    if (!s.tries(what))
+        return {};
+    const auto [rows, columns, movement, function] = fixed_kinds(s);
+    return {{"trials_of", fmt::format("fixed rows {} columns {} movement {} function {}, groups {}", rows,
+                                      columns, movement, function, data.groups_fingerprint)}};
+}

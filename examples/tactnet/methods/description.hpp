@@ -32,3 +32,8 @@ tactnet::file_metadata describe_method(const method& what, const tactnet::recipe
 tactnet::file_metadata describe_training(const method& what, const training_settings& settings,
                                          tactnet::split_rule rule, std::uint64_t seed,
                                          const image_data& data);
+
+/// What also decides which short trainings there are for `auto`, and how they are judged: kinds that options
+/// fix, if only at what the recipe has, and groups, whatever the split. Nothing if there are none.
+tactnet::file_metadata describe_trials(const method& what, const training_settings& settings,
+                                       const image_data& data);

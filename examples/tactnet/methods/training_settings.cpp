@@ -313,12 +313,14 @@ tactnet::augmentation_choice choose_recipe(const method& what, const training_se
     }
     if (!s.chooses(what))
         return {recipe, {}, {}};
-    return what.choose(recipe, data, training, seed, threads, s.tries(what),
-                       {.rows = s.reflect.has_value(),
-                        .columns = s.reflect || !s.partners.empty(),
-                        .movement = s.rotation || s.translation || s.scale,
-                        .function = s.function.has_value()},
-                       known);
+    return what.choose(recipe, data, training, seed, threads, s.tries(what), fixed_kinds(s), known);
+}
+
+tactnet::fixed_augmentation fixed_kinds(const training_settings& s) {
+    return {.rows = s.reflect.has_value(),
+            .columns = s.reflect || !s.partners.empty(),
+            .movement = s.rotation || s.translation || s.scale,
+            .function = s.function.has_value()};
 }
 
 tactnet::file_metadata with_trials(tactnet::file_metadata settings, const tactnet::trial_scores& scores) {

@@ -97,6 +97,8 @@ tactnet::augmentation_choice choose_recipe(const method& what, const training_se
                                            const image_data& data, std::span<const std::size_t> training,
                                            std::uint64_t seed, tactnet::thread_pool& threads,
                                            tactnet::trial_scores* known = nullptr);
+/// What options say, which images then do not choose.
+tactnet::fixed_augmentation fixed_kinds(const training_settings& settings);
 /// The settings of a checkpoint, with the scores of the short trainings that chose.
 tactnet::file_metadata with_trials(tactnet::file_metadata settings, const tactnet::trial_scores& scores);
 /// The scores in a checkpoint; none in one without. Throws tactnet::file_error.

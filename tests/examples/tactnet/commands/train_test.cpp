@@ -323,6 +323,18 @@ TEST_SUITE("program") {
             return tactnet::safetensors::read(shop / name).metadata().at("setting.trials");
         };
         const std::string first = trials("net.checkpoint");
+        // Scores say nothing of another search, though the recipe be the same; damaged ones say nothing.
+        for (const char* fixed : {"--rotation 15", "--reflect both"})
+            shop.refuses(arguments + "--output net --resume" + fixed,
+                         "net.checkpoint: setting 'trials_of' of the stopped training: expected 'fixed ");
+        std::string damaged = shop.text("net.checkpoint");
+        const std::string before = "\"setting.trials\":\"[[";
+        REQUIRE(damaged.find(before) != std::string::npos);
+        char& digit = damaged[damaged.find(before) + before.size()];
+        digit = digit == '1' ? '0' : '1';
+        tactnet::write_file(shop / "damaged", damaged);
+        shop.refuses(arguments + "--output net --resume --checkpoint damaged",
+                     "damaged: checksum of the whole file: expected ");
         const pid_t child = shop.start(arguments + "--output net --resume");
         shop.wait_for_first_epoch(child);
         REQUIRE(shop.stop(child, SIGINT).status == 130);
