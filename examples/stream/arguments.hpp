@@ -51,7 +51,7 @@ inline constexpr const char* usage =
     "  --picture   each frame as a picture in a terminal of 24-bit colours, with 50 columns or more\n"
     "  --rate HZ   plays so many frames per second\n"
     "  --paced     plays a recording at its own pace\n"
-    "  --awake     never sleeps while it waits for a frame: answers some microseconds sooner, for a whole "
+    "  --awake     does not sleep while frames arrive: answers some microseconds sooner, for a whole "
     "core\n";
 
 /// Something in the command line that cannot be.
