@@ -146,7 +146,8 @@ def same_touches(numbers, frames, logits):
     held_out = numpy.random.default_rng(4).normal(size=(200, 5)).astype(numpy.float32)
     members = tactnet.PredictionSet(held_out, held_out.argmax(1), 0.9).predict(held_out)
     assert members[range(200), held_out.argmax(1)].mean() >= 0.9 and members.sum(1).min() == 1
-    for wrong in (lambda: tactnet.Evidence(0), lambda: evidence.add(logits[:4]), lambda: tactnet.PredictionSet(held_out, held_out.argmax(1), 2)):
+    for wrong in (lambda: tactnet.Evidence(0), lambda: evidence.add(logits[:4]), lambda: tactnet.PredictionSet(held_out, held_out.argmax(1), 2),
+                  lambda: tactnet.PredictionSet(held_out, held_out.argmax(1) + 0.5), lambda: tactnet.PredictionSet(held_out, held_out.argmax(1)).predict(3)):
         message(ValueError, wrong, "expected", "found")
     assert any(len(tenths_beside(lambda: evidence.add(numpy.repeat(logits[None], 400000, 0)))) > 2 for _ in range(5))
 
@@ -170,10 +171,12 @@ def same_objects(numbers, frames, labels, deployed):
     found = tactnet.fit_discriminant(rows, labels, 4)
     points, expected = found.project(rows), numbers[rows.size:-2]
     assert (points[:50].ravel() == expected[:200]).all() and (points[50:] == expected[200:].reshape(10, 7)[:, :4]).all()
+    assert found.project(rows[:1]).shape == (1, 4) and tactnet.fit_discriminant(rows, labels.astype("u1"), 4).state == found.state
     means = tactnet.ClassMeans(4, 8)
     assert means.learn(labels[:50], points[:50]) == 50 and means.touches(1) == 10 and means.touches(7) == 0
     nearest = means.nearest(points[50:])
     assert (numpy.array(nearest.tolist()) == expected[200:].reshape(10, 7)[:, 4:]).all() and means.nearest(points[50]) == nearest[0]
+    assert means.nearest(points[50:51]).shape == (1,)
     assert means.state == pathlib.Path("means.state").read_bytes()
     again, copied = tactnet.ClassMeans(4, 8), tactnet.Discriminant(rows.shape[1], 4)
     assert again.nearest(points[0])["index"] == -1 and again.nearest(points[0])["relative_distance"] == numpy.inf
@@ -197,7 +200,10 @@ def same_objects(numbers, frames, labels, deployed):
                          (lambda: tactnet.fit_discriminant(rows, labels - 1, 4), "labels from 0 on"),
                          (lambda: tactnet.fit_discriminant(rows, labels, 4, shrinkage=0), "a shrinkage above 0 and at most 1, found"),
                          (lambda: tactnet.fit_largest_distance([1], 1), "a share of false alarms above 0 and below 1"),
-                         (lambda: tactnet.force_statistics(frames[0, 0]), "images (n, rows, columns), found (25,)"),
+                         (lambda: tactnet.force_statistics(frames[0]), "images (n, rows, columns), found (14, 25)"),
+                         (lambda: means.learn(labels + 0.5, points), "whole numbers from 0 on, found float64 of shape (60,)"),
+                         (lambda: means.learn(-1, points), "whole numbers from 0 on, found int64 of shape (), some below 0"),
+                         (lambda: found.fit(rows.reshape(30, -1), labels, 5), "expected rows of"),
                          (lambda: tactnet.ClassMeans(4, 0), "at least 1, found 0")):
         message(ValueError, call, *parts)
 
@@ -417,6 +423,7 @@ def auto(program):
     assert not network.chosen.trials and network.chosen.recipe.reflect_rows == 0.25 and network.chosen.reflections == ([], None)
     assert network.fit(frames, labels, epochs=1).chosen is None
     message(ValueError, lambda: network.fit(frames, labels, augmentation="auto", groups=people[1:]), "a group for each of 144 frames, found 143")
+    message(ValueError, lambda: network.fit(frames, labels * 10**7, names, augmentation="auto", groups=people), "labels below 3, found 10000000")
     own = tactnet.Classifier("tactnet4", outputs=22, epochs=2, augmentation="auto").fit(frames, labels, groups=people)
     assert own.network_.chosen.reflections[1] == [2, 1, 0]
     epochs = {(name, count): build.core().Recipe(name, 14, 25, count).epochs for name in ("default", "features") for count in (0, 88, 400)}

@@ -285,7 +285,7 @@ def _shape(size: Sequence[int]) -> str:
 
 def group_indices(groups, count: int):
     """The names of groups, and the index of each frame's."""
-    names, of_each = numpy.unique(numpy.asarray(groups), return_inverse=True)
+    names, of_each = numpy.unique(numpy.ravel(groups), return_inverse=True)
     if len(of_each) != count:
         raise ValueError(f"expected a group for each of {count} frames, found {len(of_each)}")
     return names, of_each

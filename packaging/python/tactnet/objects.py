@@ -26,10 +26,10 @@ def fit_discriminant(features, labels, dimensions: int, classes: Optional[int] =
     at most classes - 1. `shrinkage`, from above 0 to 1, makes up for few frames.
     """
     features, labels = numpy.asarray(features), numpy.asarray(labels)
-    if features.ndim != 2 or labels.dtype.kind not in "iub" or (labels < 0).any():
+    if features.ndim != 2 or labels.ndim != 1 or labels.dtype.kind not in "iub" or (labels < 0).any():
         raise ValueError(f"fit_discriminant: expected features (n, features) and labels from 0 on, found {features.shape} and {labels!r:.80}")
     found = Discriminant(features.shape[1], dimensions)
-    found.fit(features, labels, int(labels.max(initial=-1)) + 1 if classes is None else classes, shrinkage)
+    found.fit(features, labels, int(labels.max()) + 1 if classes is None and labels.size else classes or 0, shrinkage)
     return found
 
 

@@ -87,6 +87,23 @@ std::span<const Element> elements_of(const py::array& x) {
     return {static_cast<const Element*>(x.data()), static_cast<std::size_t>(x.size())};
 }
 
+/// Whole numbers from 0 on, of any type: no others, which would be rounded or wrapped.
+inline indices indices_of(const py::object& given) {
+    const auto found = py::array::ensure(given);
+    if (!found)
+        throw_invalid_argument({"expected whole numbers from 0 on, found no array"});
+    const char kind = found.dtype().kind();
+    bool whole = found.size() == 0 || kind == 'i' || kind == 'u' || kind == 'b';
+    const indices numbers = whole ? indices(found) : indices();
+    for (const std::size_t number : elements_of<std::size_t>(numbers))
+        whole = whole && (kind != 'i' || static_cast<std::ptrdiff_t>(number) >= 0);
+    if (!whole)
+        throw_invalid_argument({"expected whole numbers from 0 on, found ",
+                                std::string(py::str(found.dtype())), " of shape ", shape_of(found),
+                                kind == 'i' ? ", some below 0" : ""});
+    return numbers;
+}
+
 template <class Element>
 std::span<Element> to_fill(py::array_t<Element>& x) {
     return {x.mutable_data(), static_cast<std::size_t>(x.size())};

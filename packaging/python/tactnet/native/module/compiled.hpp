@@ -35,6 +35,9 @@ public:
                                      std::string(tactnet::instruction_set) + ", found one for " +
                                      std::string(more.instruction_set) +
                                      ": compile the module and the network with the same CXXFLAGS");
+        // Once: they are the same in each library, and a training in another thread may be reading them.
+        if (code_.facts == nullptr && more.facts != nullptr)
+            facts_ = more.facts();
         const auto merge = [&](auto network_code::*member) {
             if (more.*member != nullptr)
                 code_.*member = more.*member;
@@ -44,8 +47,6 @@ public:
         merge(&network_code::stream), merge(&network_code::stream_in_8_bits);
         merge(&network_code::sensor), merge(&network_code::scene);
         merge(&network_code::discriminant), merge(&network_code::means);
-        if (code_.facts != nullptr)
-            facts_ = code_.facts();
     }
     const network_facts& facts() const { return facts_; }
     /// A function of the network's type, which the package has compiled before it calls.

@@ -61,7 +61,7 @@ inline void bind_gain(py::module_& m) {
     m.def(
         "force_statistics",
         [](const bytes_of_counts& images, std::uint8_t pressed) {
-            if (images.ndim() < 2 || images.size() == 0)
+            if (images.ndim() < 3 || images.size() == 0)
                 throw_invalid_argument(
                     {"force_statistics: expected images (n, rows, columns), found ", shape_of(images)});
             const auto found = tactnet::force_statistics::of(
@@ -120,10 +120,11 @@ inline void bind_decisions(py::module_& m) {
         m, "PredictionSet",
         "Sets of classes that hold the right one in a share `coverage` of frames, found from held-out\n"
         "logits (n, classes) and labels.")
-        .def(py::init([](const floats& logits, const indices& labels, double coverage, double temperature) {
+        .def(py::init([](const floats& logits, const py::object& given, double coverage, double temperature) {
                  const std::size_t classes =
                      logits.ndim() == 2 ? static_cast<std::size_t>(logits.shape(1)) : 0;
                  const auto rows = elements_of<float>(logits);
+                 const indices labels = indices_of(given);
                  const auto of_each = elements_of<std::size_t>(labels);
                  const py::gil_scoped_release released;
                  return tactnet::fit_prediction_set({temperature}, coverage, rows, classes, of_each, classes);
@@ -132,8 +133,9 @@ inline void bind_decisions(py::module_& m) {
         .def(
             "predict",
             [](const tactnet::prediction_set& set, const converted_floats& logits) {
-                const auto classes =
-                    static_cast<std::size_t>(logits.ndim() > 0 ? logits.shape(logits.ndim() - 1) : 0);
+                if (logits.ndim() == 0)
+                    throw_invalid_argument({"expected logits (classes,) or (n, classes), found a number"});
+                const auto classes = static_cast<std::size_t>(logits.shape(logits.ndim() - 1));
                 py::array_t<bool> members(
                     std::vector<py::ssize_t>(logits.shape(), logits.shape() + logits.ndim()));
                 const std::span to = to_fill(members);

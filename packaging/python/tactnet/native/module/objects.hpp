@@ -29,8 +29,11 @@ struct rows_argument {
     bool single;
 
     rows_argument(const converted_floats& x, std::size_t numbers)
-        : all(elements_of<float>(x)), width(numbers), single(is_single(x, {1, numbers})) {
-        count = all.size() / width;
+        : all(elements_of<float>(x)), width(numbers), count(all.size() / numbers), single(x.ndim() == 1) {
+        if (x.ndim() < 1 || x.ndim() > 2 ||
+            x.shape(x.ndim() - 1) != static_cast<py::ssize_t>(numbers)) // (1, numbers) is a batch
+            throw_invalid_argument(
+                {"expected rows of ", numbers, " numbers, found an array of shape ", shape_of(x)});
     }
     std::span<const float> operator[](std::size_t i) const { return all.subspan(i * width, width); }
 };
@@ -46,8 +49,9 @@ inline py::array_t<float> project(const any_discriminant& map, const converted_f
 }
 
 /// Returns how many points were learnt.
-inline std::size_t learn(any_means& means, const indices& classes, const converted_floats& points) {
+inline std::size_t learn(any_means& means, const py::object& given, const converted_floats& points) {
     const rows_argument rows(points, means.dimensions);
+    const indices classes = indices_of(given);
     const auto of_each = elements_of<std::size_t>(classes);
     if (of_each.size() != rows.count && classes.ndim() != 0)
         throw_invalid_argument(
@@ -90,12 +94,13 @@ inline void bind_objects(py::module_& m) {
         .def_readonly("dimensions", &any_discriminant::dimensions)
         .def(
             "fit",
-            [](any_discriminant& own, const converted_floats& features, const indices& labels,
+            [](any_discriminant& own, const converted_floats& features, const py::object& labels,
                std::size_t classes, double shrinkage) {
-                const auto rows = elements_of<float>(features);
-                const auto of_each = elements_of<std::size_t>(labels);
+                const rows_argument rows(features, own.features);
+                const indices of_each = indices_of(labels);
+                const auto numbers = elements_of<std::size_t>(of_each);
                 const py::gil_scoped_release released;
-                own.fit(rows, of_each, classes, shrinkage);
+                own.fit(rows.all, numbers, classes, shrinkage);
             },
             py::arg("features"), py::arg("labels"), py::arg("classes"), py::arg("shrinkage") = 0.5)
         .def("project", &project, py::arg("features"),

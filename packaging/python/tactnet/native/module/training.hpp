@@ -105,21 +105,22 @@ inline tactnet::augmentation_choice choose(const shared_code& code, const py::ar
                                            const indices& groups, const tactnet::recipe& recipe,
                                            std::uint64_t seed, std::size_t threads, bool rows, bool columns,
                                            bool movement) {
-    const samples_argument samples(x, code->facts().input, labels);
+    const samples_argument given(x, code->facts().input, labels);
+    const tactnet::labelled_samples samples = given.of(classes.size());
+    samples.check(code->facts().input, code->outputs()); // the search counts by labels before it trains
     const std::vector<std::size_t> learnt = list_of(training), group_of = list_of(groups);
     bool stopped = false;
     tactnet::augmentation_choice found;
     {
         const py::gil_scoped_release released;
         tactnet::thread_pool pool(threads);
-        found =
-            tactnet::choose_augmentation(*code->call(&network_code::trainable)(), recipe,
-                                         samples.of(classes.size()), learnt, group_of, seed, pool, classes,
-                                         [&] {
-                                             const py::gil_scoped_acquire held;
-                                             return stopped = stopped || PyErr_CheckSignals() != 0;
-                                         },
-                                         220, {.rows = rows, .columns = columns, .movement = movement});
+        found = tactnet::choose_augmentation(*code->call(&network_code::trainable)(), recipe, samples, learnt,
+                                             group_of, seed, pool, classes,
+                                             [&] {
+                                                 const py::gil_scoped_acquire held;
+                                                 return stopped = stopped || PyErr_CheckSignals() != 0;
+                                             },
+                                             220, {.rows = rows, .columns = columns, .movement = movement});
     }
     if (stopped)
         throw py::error_already_set();
