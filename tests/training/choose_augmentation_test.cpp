@@ -205,6 +205,32 @@ TEST_CASE("scores_of: of each class of each group, or of four parts of it if the
     CHECK(count(13, {}) == 7); // four of ten and three of three
 }
 
+TEST_CASE(
+    "find_reflections and choose_augmentation: samples, choices and groups that do not match are refused") {
+    const sides_task task(false);
+    std::vector<std::size_t> chosen = task.all, labels = task.labels, groups = task.groups;
+    std::vector<std::uint8_t> pixels = task.pixels;
+    SUBCASE("a label beyond the classes") {
+        labels[7] = 900;
+    }
+    SUBCASE("an image less") {
+        pixels.resize(pixels.size() - size.size());
+    }
+    SUBCASE("a sample that is not there") {
+        chosen.push_back(labels.size());
+    }
+    SUBCASE("a group less") {
+        groups.pop_back();
+    }
+    const labelled_images images{pixels, labels, 3};
+    CHECK_THROWS_AS((void)find_reflections(size, images, chosen, groups), std::invalid_argument);
+    thread_pool alone;
+    CHECK_THROWS_AS((void)choose_augmentation(trainable_network<net>(),
+                                              recipe::default_for(size.rows, size.columns), images, chosen,
+                                              groups, 1, alone),
+                    std::invalid_argument);
+}
+
 TEST_CASE("choose_augmentation: held-out samples are whole groups, or blocks of each class") {
     const sides_task task(true);
     const std::vector<std::size_t> none, training(task.all.begin() + 30, task.all.end());

@@ -314,6 +314,7 @@ choose_augmentation(const trainable& network, const recipe& how, const labelled_
                     const fixed_augmentation& fixed = {}, trial_scores* known = nullptr) {
     if (!samples.are_images() || how.augmentation == augmentation_rule::none)
         return {how, {}, {"no augmentation to choose from"}};
+    detail::check_chosen(network.input_shape(), samples, training, groups);
     const auto compared = detail::groups_to_compare(samples, training, groups);
     trial_scores own;
     augmentation_choice found =

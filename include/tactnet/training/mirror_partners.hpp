@@ -17,6 +17,17 @@ namespace tactnet { inline namespace TACTNET_ARCH {
 
 namespace detail {
 
+/// Throws std::invalid_argument for samples of another shape or class than they say, for a chosen one that
+/// does not exist, and for groups that are not one for each sample.
+inline void check_chosen(shape image, const labelled_samples& samples, std::span<const std::size_t> chosen,
+                         std::span<const std::size_t> groups) {
+    samples.check(image, samples.classes());
+    samples.check_indices(chosen);
+    if (!groups.empty() && groups.size() != samples.size())
+        throw_invalid_argument(
+            {"images: expected the group of each of ", samples.size(), ", found ", groups.size()});
+}
+
 /// The groups, or none if each class of the chosen samples has one: there is no other to compare it with.
 inline std::span<const std::size_t> groups_to_compare(const labelled_samples& samples,
                                                       std::span<const std::size_t> chosen,
@@ -174,12 +185,14 @@ private:
 /// they are strangers to it (strangeness above 2); then the partner, as left and right are; or nothing, if
 /// they resemble no class (strangeness above 2.4). With fewer than 8 samples a class all stays reflected.
 /// `groups` are those of all samples (people, objects, sessions), or none; if each class has one, parts of a
-/// class take their place.
+/// class take their place. Throws std::invalid_argument unless there is an image, a class and, if any, a
+/// group for each sample, and each chosen one is there.
 [[nodiscard]] inline reflection_rule find_reflections(shape image, const labelled_samples& samples,
                                                       std::span<const std::size_t> chosen,
                                                       std::span<const std::size_t> groups = {}) {
     // The paper's images have 1.6 at most, lying people 2.4 or more, and 2.7 upside down with partners.
     constexpr double strange = 2, too_strange = 2.4;
+    detail::check_chosen(image, samples, chosen, groups);
     const detail::class_images means(image, samples, chosen,
                                      detail::groups_to_compare(samples, chosen, groups));
     reflection_rule rule = reflection_rule::all();
