@@ -70,10 +70,8 @@ void claim_folder(const simulate_options& o) {
         make_folder_of(note);
         tactnet::write_file(note, says + '\n');
     }
-    for (const auto& family : paper_objects) {
+    for (const auto& family : paper_objects)
         make_folder_of(folder / family.name / "image");
-        tactnet::remove_abandoned_files(folder / family.name);
-    }
 }
 
 int simulate(const simulate_options& o) {

@@ -128,4 +128,5 @@ void make_folder_of(const fs::path& path) {
         fs::create_directories(path.parent_path(), code);
     if (code)
         refuse("{}: expected to make the folder, found '{}'", path.parent_path().string(), code.message());
+    tactnet::remove_abandoned_files(path.parent_path());
 }

@@ -25,5 +25,6 @@ void check_regular(const std::vector<named_file>& outputs);
 void add_picture(std::vector<named_file>& outputs, const std::string& option,
                  const std::filesystem::path& stem);
 
-/// Makes the folder of a file, if there is none. Throws usage_error.
+/// Makes the folder of a file, if there is none, and removes what killed programs have left in it. Throws
+/// usage_error.
 void make_folder_of(const std::filesystem::path& path);

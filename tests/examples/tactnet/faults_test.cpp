@@ -191,6 +191,11 @@ TEST_SUITE("program") {
         CHECK_FALSE(fs::exists(shop / name.c_str()));
         shop.succeeds("evaluate --data DATA --weights net");
         CHECK_FALSE(fs::exists(shop / "results" / name));
+        fs::create_directory(shop / "results" / "predictions");
+        tactnet::write_file(shop / "results" / "predictions" / name, "half");
+        shop.succeeds("evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --splits 1 --epochs 1 "
+                      "--split random");
+        CHECK_FALSE(fs::exists(shop / "results" / "predictions" / name));
 
         // A simulation goes on, also with nothing else in its folder.
         fs::create_directory(shop / "made");
