@@ -205,8 +205,7 @@ TEST_CASE("scores_of: of each class of each group, or of four parts of it if the
     CHECK(count(13, {}) == 7); // four of ten and three of three
 }
 
-TEST_CASE(
-    "find_reflections and choose_augmentation: samples, choices and groups that do not match are refused") {
+TEST_CASE("choose_augmentation: samples, choices and groups that do not match are refused") {
     const sides_task task(false);
     std::vector<std::size_t> chosen = task.all, labels = task.labels, groups = task.groups;
     std::vector<std::uint8_t> pixels = task.pixels;
