@@ -30,7 +30,7 @@ protected:
     using tag = dnnl::memory::format_tag;
     using type = dnnl::memory::data_type;
     using dims = dnnl::memory::dims;
-    /// Of the numbers of a layer.
+    /// What the numbers of a layer are stored as.
     struct types {
         type in, weights, bias, out;
     };

@@ -29,7 +29,7 @@ calibration calibration_of(const tactnet::evaluation& result, std::span<const st
                            const image_data& data, const tactnet::temperature_scaling& scaling);
 
 struct training_result {
-    tactnet::file_metadata settings; ///< see describe_training
+    tactnet::file_metadata settings; ///< see describe_training and describe_trials
     tactnet::confusion_matrix confusion;
     double validation_accuracy = 0; ///< NaN without such images
     double training_accuracy = 0;   ///< on images as they are

@@ -55,13 +55,6 @@ training_result result_of(const trained_method& trained, const task& t, const tr
     return result;
 }
 
-/// What the scores of short trainings are of.
-tactnet::file_metadata trial_settings(const task& t) {
-    tactnet::file_metadata all = describe_trials(*t.of->what, t.of->training, *t.of->data);
-    all.insert(t.settings.begin(), t.settings.end());
-    return all;
-}
-
 /// Trains on one thread, until it is finished or interrupted. Then the scores of its short trainings are
 /// kept.
 std::unique_ptr<training_run> train(const task& t, const std::filesystem::path& kept,
@@ -72,7 +65,7 @@ std::unique_ptr<training_run> train(const task& t, const std::filesystem::path& 
     tactnet::trial_scores trials;
     if (std::filesystem::exists(kept)) {
         tactnet::load_checkpoint(
-            kept, {}, [](auto) {}, trial_settings(t));
+            kept, {}, [](auto) {}, t.settings);
         trials = trials_in(tactnet::safetensors_source::open(kept));
     }
     const tactnet::recipe recipe =
@@ -83,7 +76,7 @@ std::unique_ptr<training_run> train(const task& t, const std::filesystem::path& 
         training->advance();
     if (!training->finished() && !trials.empty()) {
         make_folder_of(kept);
-        tactnet::save_checkpoint(kept, {}, {}, with_trials(trial_settings(t), trials));
+        tactnet::save_checkpoint(kept, {}, {}, with_trials(t.settings, trials));
     }
     return training;
 }
@@ -233,7 +226,7 @@ std::filesystem::path predictions_of(const candidate& c, const tactnet::file_met
 }
 
 std::filesystem::path trials_of(const task& t, const result_list& results) {
-    return results.path().parent_path() / "trials" / fingerprint_of(trial_settings(t));
+    return results.path().parent_path() / "trials" / fingerprint_of(t.settings);
 }
 
 void add_evaluation_options(CLI::App& app, evaluation_options& o) {
@@ -339,6 +332,7 @@ std::vector<task> tasks_of(const candidate_list& candidates, const split_plan& p
             for (const tactnet::split_rule rule : plan.rules) {
                 const std::uint64_t seed = plan.first_seed + split;
                 all.push_back({&c, rule, seed, describe_training(*c.what, c.training, rule, seed, *c.data)});
+                all.back().settings.merge(describe_trials(*c.what, c.training, *c.data));
             }
     return all;
 }

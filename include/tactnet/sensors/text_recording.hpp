@@ -49,7 +49,7 @@ protected:
               detail::joined(found), in_frame ? missing_frames() : std::nullopt});
         return false;
     }
-    /// The same in the present line.
+    /// Reports damage in the line that is being read. Returns false.
     bool damage(detail::text_parts expected, detail::text_parts found) {
         return fail_at(place_, 0, expected, found);
     }

@@ -41,7 +41,7 @@ inline void prefer_large_pages([[maybe_unused]] void* memory, [[maybe_unused]] s
 
 } // namespace detail
 /// An allocator of memory aligned for vector loads. Blocks of `OnLargePages` bytes or more lie on large pages
-/// if the system has them, and what they take of the last one fills it if it has so many bytes, too.
+/// if the system has them. If as many bytes reach into the last page, the block takes all of it.
 template <class T, std::size_t OnLargePages = detail::least_on_large_pages>
 struct aligned_allocator {
     using value_type = T;

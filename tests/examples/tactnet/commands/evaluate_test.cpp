@@ -125,6 +125,17 @@ TEST_SUITE("program") {
             CHECK(shop.text(fs::path("r") / found) == shop.text(fs::path("whole") / found));
     }
 
+    TEST_CASE("evaluate: results are of the groups and fixed kinds that short trainings chose by") {
+        const workshop shop;
+        for (const char* more : {"--group (\\d)", "--group (image)", "--rotation 15"}) {
+            const words arguments = "evaluate --data DATA --method tactnet4 --rows 7 --columns 13 --epochs 2 "
+                                    "--split random --splits 1 --results r" +
+                                    words(more);
+            says(shop.succeeds(arguments).error, "1 trainings to do, of 1 in all");
+            says(shop.succeeds(arguments).error, "0 trainings to do, of 1 in all");
+        }
+    }
+
     TEST_CASE("evaluate: what mean images choose for the thorough recipe is described") {
         const workshop shop;
         for (const char* more : {"", "--augmentation each-epoch"})
