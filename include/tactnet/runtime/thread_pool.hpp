@@ -3,9 +3,11 @@
 #include <tactnet/detail/arithmetic.hpp>
 
 #include <atomic>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
+#include <mutex>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -106,16 +108,31 @@ private:
     }
 
     // Layers follow each other within microseconds: a short spin avoids the scheduler.
-    static constexpr std::size_t patience = 4096;
+    static constexpr std::size_t patience = 8192;
 
     void wait_until_busy_are(std::size_t threads) const {
         for (std::size_t spin = 0; busy_.load(std::memory_order_acquire) != threads; ++spin)
             if (spin > patience)
                 std::this_thread::yield();
     }
+    // Not round_.notify_all() and round_.wait(): without futexes, as on Windows, those of libstdc++ 12 lose
+    // the call of a thread that is about to sleep. Here it either sees the round or is seen to sleep, since
+    // both are sequentially consistent.
     void announce() {
-        round_.fetch_add(1, std::memory_order_release);
-        round_.notify_all();
+        ++round_;
+        if (sleeping_ > 0) {
+            const std::lock_guard until_it_sleeps(falling_asleep_);
+            announced_.notify_all();
+        }
+    }
+    void wait_for_round_after(std::uint32_t seen) {
+        for (std::size_t spin = 0; spin < patience; ++spin)
+            if (round_.load(std::memory_order_acquire) != seen)
+                return;
+        ++sleeping_;
+        std::unique_lock lock(falling_asleep_);
+        announced_.wait(lock, [&] { return round_ != seen; });
+        --sleeping_;
     }
     void note_problem(std::size_t index) noexcept {
         problems_[index] = std::current_exception();
@@ -132,10 +149,7 @@ private:
     void work(std::size_t index) noexcept {
         std::uint32_t seen = 0;
         while (true) {
-            for (std::size_t spin = 0; spin < patience && round_.load(std::memory_order_acquire) == seen;
-                 ++spin) {
-            }
-            round_.wait(seen, std::memory_order_acquire);
+            wait_for_round_after(seen);
             ++seen; // by one: a round is announced only after the last one has ended
             if (!call_)
                 return;
@@ -149,8 +163,11 @@ private:
     }
 
     std::size_t threads_;
+    std::mutex falling_asleep_;
+    std::condition_variable announced_;
     std::atomic<std::uint32_t> round_{0};
-    std::atomic<std::size_t> busy_{0}; // threads that are in a call, the caller among them
+    std::atomic<std::size_t> sleeping_{0}; // workers that wait for `announced_`, or are about to
+    std::atomic<std::size_t> busy_{0};     // threads that are in a call, the caller among them
     std::atomic<bool> failed_{false};
     void (*call_)(const void*, share) = nullptr;
     const void* body_ = nullptr;
