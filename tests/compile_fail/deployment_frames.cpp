@@ -1,3 +1,4 @@
+#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/sensors.hpp>
 #include <tactnet/tactnet.hpp>
 

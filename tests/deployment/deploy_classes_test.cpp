@@ -3,6 +3,7 @@
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/export/deployed_header.hpp>
 #include <tactnet/deployment/reflection_average.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 
 #include <doctest/doctest.h>
 

@@ -1,6 +1,7 @@
 #include "deployed_network.hpp"
 
 #include <tactnet/networks/imagenet.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 
 #include <doctest/doctest.h>
 

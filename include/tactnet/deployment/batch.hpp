@@ -4,7 +4,6 @@
 #include <tactnet/detail/arithmetic.hpp>
 #include <tactnet/kernels/caches.hpp>
 #include <tactnet/lowering/batch_executor.hpp>
-#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>
 #include <tactnet/text/message.hpp>
 
@@ -73,9 +72,11 @@ struct batch_inference {
     static constexpr bool on_stack = View::workspace_bytes <= View::max_stack_bytes;
 
     /// `status` is null, or has one element per frame; those of broken frames become not_finite. Throws
-    /// std::invalid_argument unless there is a row of outputs for each frame.
-    static frame_status run(const View& view, const frames_type& frames, std::span<float> to,
-                            thread_pool& pool, batch_workspace& memory, frame_status* status = nullptr) {
+    /// std::invalid_argument unless there is a row of outputs for each frame. `Pool` is a thread_pool, whose
+    /// header only its users pay for.
+    template <class Pool>
+    static frame_status run(const View& view, const frames_type& frames, std::span<float> to, Pool& pool,
+                            batch_workspace& memory, frame_status* status = nullptr) {
         const std::size_t count = frames.size();
         if (count * pixels != frames.elements() || count * outputs != to.size())
             detail::throw_invalid_argument({"deployed: expected frames of ", pixels, " counts and ", outputs,
@@ -89,7 +90,7 @@ struct batch_inference {
         if constexpr (View::layerwise) {
             const std::size_t group = std::max(max_on_all_threads, pool.threads());
             for (std::size_t first = 0; first < count; first += group) {
-                const batch_executor<thread_pool> executor{pool, std::min(group, count - first)};
+                const batch_executor<Pool> executor{pool, std::min(group, count - first)};
                 if (infer(first, memory.hold<activation>(executor.copies() * View::workspace_elements),
                           executor) != frame_status::ok)
                     in_range = false;

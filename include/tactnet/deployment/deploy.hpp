@@ -5,7 +5,6 @@
 #include <tactnet/networks/model.hpp>
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/operators/sequence/lowering.hpp>
-#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/aligned.hpp>
 #include <tactnet/text/message.hpp>
 

@@ -7,7 +7,6 @@
 #include <tactnet/io/safetensors.hpp>
 #include <tactnet/io/stored_arrays.hpp>
 #include <tactnet/networks/model.hpp>
-#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/shape.hpp>
 #include <tactnet/text/numbers.hpp>
 
@@ -217,10 +216,10 @@ template <class Network>
 namespace detail {
 
 /// The logits of the classes, which a file holds, without the other outputs.
-template <class Network>
+template <class Network, class Pool = thread_pool> // which is complete where networks compute batches
 [[nodiscard]] [[gnu::cold]] std::vector<float> class_logits(const model<Network>& m,
                                                             std::span<const std::uint8_t> images) {
-    thread_pool alone;
+    Pool alone;
     std::vector<float> logits = m.logits(images, alone);
     const std::size_t count = logits.size() / Network::outputs, classes = m.classes.size();
     for (std::size_t i = 1; i < count; ++i)

@@ -4,7 +4,6 @@
 #include <tactnet/networks/recognition.hpp>
 #include <tactnet/networks/reflection_rule.hpp>
 #include <tactnet/operators/layer.hpp>
-#include <tactnet/runtime/thread_pool.hpp>
 #include <tactnet/tensor/tensor.hpp>
 
 #include <cstddef>
@@ -15,6 +14,8 @@
 #include <vector>
 
 namespace tactnet { inline namespace TACTNET_ARCH {
+
+class thread_pool;
 
 /// Turns 8-bit counts into the input of a network: (function of count − mean) × scale. The mean is an image,
 /// in the paper that of the training set; a mean of zero and a scale of 1/255 give plain scaling.
