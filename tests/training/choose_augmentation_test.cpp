@@ -117,7 +117,7 @@ TEST_CASE("choose_augmentation: finds partners, judges kinds on held-out groups,
     how.epochs = 40;
     const std::vector<std::string> names{"left", "right", "middle"};
     const trainable_network<net> fresh;
-    const auto choose = [&](const std::function<bool()>& stop = {}) {
+    const auto choose = [&](const search_stop& stop = {}) {
         return choose_augmentation(fresh, how, task.images(), task.all, task.groups, 1, threads, names, stop);
     };
     const augmentation_choice found = choose();
@@ -130,7 +130,17 @@ TEST_CASE("choose_augmentation: finds partners, judges kinds on held-out groups,
     CHECK(found.reasons[1].ends_with(": left = right"));
     CHECK(found.chosen.epochs == how.epochs);
     CHECK(choose().chosen.ranges == found.chosen.ranges);
-    CHECK(choose([] { return true; }).trials.empty());
+    CHECK(choose([](std::size_t, std::size_t) { return true; }).trials.empty());
+    std::size_t last = 0, of = 0;
+    (void)choose([&](std::size_t done, std::size_t all) {
+        CHECK(done <= last + 1);
+        CHECK(done >= last);
+        CHECK((of == 0 || of == all));
+        last = done, of = all;
+        return false;
+    });
+    CHECK(last == of);
+    CHECK(of == how.epochs / 2);
 
     // What a caller has decided is neither changed nor tried.
     const auto decided =
@@ -170,8 +180,8 @@ TEST_CASE("choose_augmentation: an interrupted search resumes bit-identically, w
     const auto choose = [&](std::size_t most) {
         asked = 0;
         return choose_augmentation(
-            fresh, how, task.images(), task.all, task.groups, 1, threads, {}, [&] { return asked++ >= most; },
-            220, {}, &known);
+            fresh, how, task.images(), task.all, task.groups, 1, threads, {},
+            [&](std::size_t, std::size_t) { return asked++ >= most; }, 220, {}, &known);
     };
     const augmentation_choice whole = choose(1000);
     const trial_scores all = std::exchange(known, {});

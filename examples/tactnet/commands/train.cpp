@@ -92,7 +92,7 @@ public:
         }
         auto split = split_for(data, o.training, rule, o.seed);
         catch_interrupts();
-        const auto choice = choose_recipe(what, o.training, data, split.training, o.seed, threads, &trials);
+        const auto choice = choose(split.training);
         if (interrupted()) {
             const std::string problem = begun || trials.empty() ? "" : keep();
             tell("stopped before the training{}\n",
@@ -174,6 +174,23 @@ private:
     }
 
     /// How far a training is that began `seconds` ago after `before` epochs.
+    /// With progress of the short trainings that choose.
+    tactnet::augmentation_choice choose(std::span<const std::size_t> images) {
+        progress line;
+        const stopwatch watch;
+        std::size_t known = trials.size(), before = 0; // of the latter, epochs
+        const auto stop = [&](std::size_t done, std::size_t all) {
+            if (known > 0)
+                --known, before = done;
+            else if (done > before)
+                line.show(fmt::format("choosing the augmentation: epoch {} of {}, {}", done, all,
+                                      time_left(watch.seconds(), done - before, all - done)),
+                          done == all);
+            return interrupted();
+        };
+        return choose_recipe(what, o.training, data, images, o.seed, threads, stop, &trials);
+    }
+
     std::string progress_text(std::size_t before, double seconds) const {
         const auto& history = epochs->history();
         const tactnet::epoch_report& e = history.back();

@@ -68,8 +68,10 @@ std::unique_ptr<training_run> train(const task& t, const std::filesystem::path& 
             kept, {}, [](auto) {}, t.settings);
         trials = trials_in(tactnet::safetensors_source::open(kept));
     }
-    const tactnet::recipe recipe =
-        choose_recipe(*c.what, c.training, data, split.training, t.seed, alone, &trials).chosen;
+    const tactnet::recipe recipe = choose_recipe(
+                                       *c.what, c.training, data, split.training, t.seed, alone,
+                                       [](std::size_t, std::size_t) { return interrupted(); }, &trials)
+                                       .chosen;
     auto training = c.what->train(recipe, data.view(), std::move(split), t.seed, alone, c.pretrained);
     start(*training, c.start.get());
     while (!training->finished() && !interrupted())

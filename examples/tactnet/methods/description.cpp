@@ -224,7 +224,7 @@ tactnet::file_metadata describe_training(const method& what, const training_sett
     // What mean images alone choose is described as if options said it: they are cheap to ask, and where they
     // choose what the recipe has, results are found that were made before they were asked. Trials are not.
     if (tactnet::thread_pool alone; s.chooses(what) && !s.tries(what))
-        recipe = choose_recipe(what, s, data, training, seed, alone).chosen;
+        recipe = choose_recipe(what, s, data, training, seed, alone, {}).chosen;
     if (recipe.augment_full_resolution && recipe.augmentation != tactnet::augmentation_rule::none &&
         what.augment_full_resolution(data.taken.size))
         all["varied"] =

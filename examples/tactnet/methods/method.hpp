@@ -206,13 +206,12 @@ public:
     virtual std::shared_ptr<pretrained_weights> open_pretrained(const std::filesystem::path&) const = 0;
     /// The recipe with the augmentation that suits the training images (tactnet::choose_augmentation), by
     /// mean images alone or by `trials` too, but for what is fixed.
-    virtual tactnet::augmentation_choice choose(const tactnet::recipe& recipe, const image_data&,
-                                                std::span<const std::size_t> training, std::uint64_t seed,
-                                                tactnet::thread_pool&, bool trials,
-                                                const tactnet::fixed_augmentation&,
-                                                tactnet::trial_scores* known) const {
+    virtual tactnet::augmentation_choice
+    choose(const tactnet::recipe& recipe, const image_data&, std::span<const std::size_t> training,
+           std::uint64_t seed, tactnet::thread_pool&, bool trials, const tactnet::fixed_augmentation&,
+           const tactnet::search_stop& stop, tactnet::trial_scores* known) const {
         static_cast<void>(training), static_cast<void>(seed), static_cast<void>(trials);
-        static_cast<void>(known);
+        static_cast<void>(stop), static_cast<void>(known);
         return {recipe, {}, {}};
     }
     /// The images must outlive the training. Support vector machines have settings of their own in place of

@@ -305,7 +305,7 @@ std::vector<std::size_t> partners_of(std::span<const std::string> pairs,
 tactnet::augmentation_choice choose_recipe(const method& what, const training_settings& s,
                                            const image_data& data, std::span<const std::size_t> training,
                                            std::uint64_t seed, tactnet::thread_pool& threads,
-                                           tactnet::trial_scores* known) {
+                                           const tactnet::search_stop& stop, tactnet::trial_scores* known) {
     tactnet::recipe recipe = recipe_for(what, s, training.size());
     if (!s.partners.empty()) {
         recipe.ranges.reflect_columns = 0.5;
@@ -313,7 +313,7 @@ tactnet::augmentation_choice choose_recipe(const method& what, const training_se
     }
     if (!s.chooses(what))
         return {recipe, {}, {}};
-    return what.choose(recipe, data, training, seed, threads, s.tries(what), fixed_kinds(s), known);
+    return what.choose(recipe, data, training, seed, threads, s.tries(what), fixed_kinds(s), stop, known);
 }
 
 tactnet::fixed_augmentation fixed_kinds(const training_settings& s) {

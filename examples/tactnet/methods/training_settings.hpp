@@ -96,6 +96,7 @@ tactnet::recipe recipe_for(const method& what, const training_settings& settings
 tactnet::augmentation_choice choose_recipe(const method& what, const training_settings& settings,
                                            const image_data& data, std::span<const std::size_t> training,
                                            std::uint64_t seed, tactnet::thread_pool& threads,
+                                           const tactnet::search_stop& stop,
                                            tactnet::trial_scores* known = nullptr);
 /// What options say, which images then do not choose.
 tactnet::fixed_augmentation fixed_kinds(const training_settings& settings);

@@ -43,6 +43,8 @@ struct fixed_augmentation {
 /// What each short training has scored so far, in the order of the search. A caller who stores them need not
 /// repeat these trainings after an interruption.
 using trial_scores = std::vector<std::vector<double>>;
+/// Asked after each epoch of a search, with those done and all that there are, whether the search should end.
+using search_stop = std::function<bool(std::size_t done, std::size_t all)>;
 
 namespace detail {
 
@@ -152,7 +154,7 @@ class augmentation_search {
 public:
     augmentation_search(const trainable& network, const recipe& how, const labelled_samples& samples,
                         std::span<const std::size_t> training, std::span<const std::size_t> groups,
-                        std::uint64_t seed, thread_pool& threads, const std::function<bool()>& stop,
+                        std::uint64_t seed, thread_pool& threads, const search_stop& stop,
                         std::size_t most_epochs, const fixed_augmentation& fixed, trial_scores& known)
         : network_(network),
           samples_(samples),
@@ -183,6 +185,7 @@ public:
                 changed.emplace_back(&v, r);
         }
         epochs_ = std::min(how.epochs / 2, most_epochs_) / (changed.size() + 1);
+        all_ = epochs_ * (changed.size() + 1);
         steps_ = epochs_ * ceil_div(split_.training.size(), how.batch == 0 ? samples_.size() : how.batch);
         if (most_epochs_ == 0)
             return result_;
@@ -230,13 +233,13 @@ private:
         if (trial < known_.size()) {
             if (known_[trial].size() != known_.front().size())
                 throw std::invalid_argument("augmentation: expected scores of the same search, found others");
-            return !(stop_ && stop_());
+            return !stops(epochs_ * (trial + 1));
         }
         r.epochs = epochs_;
         r.validate_every = epochs_ + 1;
         r.patience = 0;
         training_loop loop(network_.copy(), r, samples_, {split_.training, {}, {}}, seed_, threads_);
-        while (!(stop_ && stop_())) {
+        for (std::size_t done = epochs_ * trial; !stops(done); ++done) {
             if (loop.finished()) {
                 known_.push_back(scores_of(evaluate(loop.latest(), loop.mean(), loop.scale(), samples_,
                                                     split_.validation, threads_, {}, loop.function()),
@@ -247,6 +250,7 @@ private:
         }
         return false;
     }
+    [[nodiscard]] bool stops(std::size_t done) const { return stop_ && stop_(done, all_); }
     void judge(const recipe_variation& v, std::span<const double> before, std::span<const double> after) {
         double sum = 0, squares = 0;
         for (std::size_t i = 0; i < after.size(); ++i) {
@@ -282,12 +286,13 @@ private:
     data_split split_;
     std::uint64_t seed_;
     thread_pool& threads_;
-    const std::function<bool()>& stop_;
+    const search_stop& stop_;
     static constexpr std::size_t fewest_epochs = 4; ///< of a trial that says anything
     const std::size_t most_epochs_;
     const fixed_augmentation fixed_;
     trial_scores& known_;
     std::size_t epochs_ = 0, steps_ = 0; ///< of a trial
+    std::size_t all_ = 0;                ///< epochs of the search
     augmentation_choice result_;
 };
 
@@ -304,13 +309,13 @@ private:
 /// from one standard error and half a point on.
 ///
 /// What is `fixed` is neither tried nor changed. The network is untrained and is not changed. `names` of
-/// classes are for the reasons. `stop` is asked after each epoch: if it says so, the search ends with what it
-/// has found. A recipe without augmentation, or of features, stays as it is. Throws as `training_loop`.
+/// classes are for the reasons. If `stop` says so, the search ends with what it has found. A recipe without
+/// augmentation, or of features, stays as it is. Throws as `training_loop`.
 [[nodiscard]] inline augmentation_choice
 choose_augmentation(const trainable& network, const recipe& how, const labelled_samples& samples,
                     std::span<const std::size_t> training, std::span<const std::size_t> groups,
                     std::uint64_t seed, thread_pool& threads, std::span<const std::string> names = {},
-                    const std::function<bool()>& stop = {}, std::size_t most_epochs = 220,
+                    const search_stop& stop = {}, std::size_t most_epochs = 220,
                     const fixed_augmentation& fixed = {}, trial_scores* known = nullptr) {
     if (!samples.are_images() || how.augmentation == augmentation_rule::none)
         return {how, {}, {"no augmentation to choose from"}};

@@ -260,12 +260,13 @@ public:
                                         std::span<const std::size_t> training, std::uint64_t seed,
                                         tactnet::thread_pool& threads, bool trials,
                                         const tactnet::fixed_augmentation& fixed,
+                                        const tactnet::search_stop& stop,
                                         tactnet::trial_scores* known) const override {
         tactnet::labelled_images varied = data.view();
         varied.taken.vary = code_.variation_of(varied.taken.taken);
         return tactnet::choose_augmentation(*code_.make(), recipe, varied, training, data.groups, seed,
-                                            threads, data.images.classes, interrupted, trials ? 220 : 0,
-                                            fixed, known);
+                                            threads, data.images.classes, stop, trials ? 220 : 0, fixed,
+                                            known);
     }
     std::unique_ptr<training_run> train(const tactnet::recipe& recipe, const tactnet::labelled_images& images,
                                         tactnet::data_split split, std::uint64_t seed,

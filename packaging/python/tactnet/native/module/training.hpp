@@ -116,7 +116,7 @@ inline tactnet::augmentation_choice choose(const shared_code& code, const py::ar
         tactnet::thread_pool pool(threads);
         found = tactnet::choose_augmentation(*code->call(&network_code::trainable)(), recipe, samples, learnt,
                                              group_of, seed, pool, classes,
-                                             [&] {
+                                             [&](std::size_t, std::size_t) {
                                                  const py::gil_scoped_acquire held;
                                                  return stopped = stopped || PyErr_CheckSignals() != 0;
                                              },
