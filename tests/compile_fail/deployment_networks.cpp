@@ -212,4 +212,11 @@ constexpr std::size_t bytes = deployed_stream<net, eight_bit>::weight_bytes;
 // at-most: 2
 using net = network<shape{8, 8}, upsample<2>, conv2d<4, 3>, dense<2>>;
 constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
+
+#elif defined(CASE_pool_without_its_header)
+// expect: deployed: to pass a thread_pool, include tactnet/runtime/thread_pool.hpp
+auto classify(const deployed<network<shape{8, 8}, dense<2>>>& fast, std::span<const std::uint8_t> frames,
+              thread_pool& pool) {
+    return fast.classify(frames, pool);
+}
 #endif

@@ -173,8 +173,7 @@ private:
         }
     }
 
-    /// How far a training is that began `seconds` ago after `before` epochs.
-    /// With progress of the short trainings that choose.
+    /// Chooses the recipe, and shows the progress of the short trainings that do.
     tactnet::augmentation_choice choose(std::span<const std::size_t> images) {
         progress line;
         const stopwatch watch;
@@ -191,6 +190,7 @@ private:
         return choose_recipe(what, o.training, data, images, o.seed, threads, stop, &trials);
     }
 
+    /// How far a training is that began `seconds` ago after `before` epochs.
     std::string progress_text(std::size_t before, double seconds) const {
         const auto& history = epochs->history();
         const tactnet::epoch_report& e = history.back();

@@ -72,11 +72,14 @@ struct batch_inference {
     static constexpr bool on_stack = View::workspace_bytes <= View::max_stack_bytes;
 
     /// `status` is null, or has one element per frame; those of broken frames become not_finite. Throws
-    /// std::invalid_argument unless there is a row of outputs for each frame. `Pool` is a thread_pool, whose
-    /// header only its users pay for.
+    /// std::invalid_argument unless there is a row of outputs for each frame. `Pool` is
+    /// thread_pool, a parameter so that programs without threads need not include its header.
     template <class Pool>
     static frame_status run(const View& view, const frames_type& frames, std::span<float> to, Pool& pool,
                             batch_workspace& memory, frame_status* status = nullptr) {
+        static_assert(
+            requires { sizeof(Pool); },
+            "deployed: to pass a thread_pool, include tactnet/runtime/thread_pool.hpp");
         const std::size_t count = frames.size();
         if (count * pixels != frames.elements() || count * outputs != to.size())
             detail::throw_invalid_argument({"deployed: expected frames of ", pixels, " counts and ", outputs,

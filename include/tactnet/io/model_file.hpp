@@ -216,9 +216,12 @@ template <class Network>
 namespace detail {
 
 /// The logits of the classes, which a file holds, without the other outputs.
-template <class Network, class Pool = thread_pool> // which is complete where networks compute batches
+/// `Pool` is a parameter so that this header compiles without thread_pool.hpp.
+template <class Network, class Pool = thread_pool>
 [[nodiscard]] [[gnu::cold]] std::vector<float> class_logits(const model<Network>& m,
                                                             std::span<const std::uint8_t> images) {
+    static_assert(sizeof(typename Network::workspace) >
+                  0); // says which header is missing, before the pool does
     Pool alone;
     std::vector<float> logits = m.logits(images, alone);
     const std::size_t count = logits.size() / Network::outputs, classes = m.classes.size();

@@ -108,7 +108,7 @@ private:
     }
 
     // Layers follow each other within microseconds: a short spin avoids the scheduler.
-    static constexpr std::size_t patience = 8192;
+    static constexpr std::size_t patience = 4096, yields = 8;
 
     void wait_until_busy_are(std::size_t threads) const {
         for (std::size_t spin = 0; busy_.load(std::memory_order_acquire) != threads; ++spin)
@@ -126,9 +126,12 @@ private:
         }
     }
     void wait_for_round_after(std::uint32_t seen) {
-        for (std::size_t spin = 0; spin < patience; ++spin)
+        for (std::size_t spin = 0; spin < patience + yields; ++spin) {
             if (round_.load(std::memory_order_acquire) != seen)
                 return;
+            if (spin > patience)
+                std::this_thread::yield();
+        }
         ++sleeping_;
         std::unique_lock lock(falling_asleep_);
         announced_.wait(lock, [&] { return round_ != seen; });

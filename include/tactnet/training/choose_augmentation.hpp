@@ -43,7 +43,8 @@ struct fixed_augmentation {
 /// What each short training has scored so far, in the order of the search. A caller who stores them need not
 /// repeat these trainings after an interruption.
 using trial_scores = std::vector<std::vector<double>>;
-/// Asked after each epoch of a search, with those done and all that there are, whether the search should end.
+/// Whether a search should end. Asked before its first epoch and after each, more than once between short
+/// trainings, with the epochs done and all of the search. A known training counts as done at once.
 using search_stop = std::function<bool(std::size_t done, std::size_t all)>;
 
 namespace detail {

@@ -4,6 +4,7 @@
 
 #include <tactnet/deployment.hpp>
 #include <tactnet/deployment/export/deployed_header.hpp>
+#include <tactnet/runtime/thread_pool.hpp>
 
 #include <array>
 #include <memory>
