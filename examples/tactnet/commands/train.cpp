@@ -182,7 +182,7 @@ private:
             if (known > 0)
                 --known, before = done;
             else if (done > before)
-                line.show(fmt::format("choosing the augmentation: epoch {} of {}, {}", done, all,
+                line.show(fmt::format("short trainings: {} of {} epochs, {}", done, all,
                                       time_left(watch.seconds(), done - before, all - done)),
                           done == all);
             return interrupted();
