@@ -215,6 +215,7 @@ constexpr std::size_t bytes = deployed<net, eight_bit>::weight_bytes;
 
 #elif defined(CASE_pool_without_its_header)
 // expect: deployed: to pass a thread_pool, include tactnet/runtime/thread_pool.hpp
+// at-most: 3
 auto classify(const deployed<network<shape{8, 8}, dense<2>>>& fast, std::span<const std::uint8_t> frames,
               thread_pool& pool) {
     return fast.classify(frames, pool);
