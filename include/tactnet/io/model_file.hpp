@@ -220,8 +220,8 @@ namespace detail {
 template <class Network, class Pool = thread_pool>
 [[nodiscard]] [[gnu::cold]] std::vector<float> class_logits(const model<Network>& m,
                                                             std::span<const std::uint8_t> images) {
-    static_assert(sizeof(typename Network::workspace) >
-                  0); // says which header is missing, before the pool does
+    // Says which header is missing before the pool does.
+    static_assert(sizeof(typename Network::workspace) > 0);
     Pool alone;
     std::vector<float> logits = m.logits(images, alone);
     const std::size_t count = logits.size() / Network::outputs, classes = m.classes.size();
